@@ -3,24 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pipeline.report.energy import OF, powers
-from pipeline.report.yearly import LEVEL, Table, by_sea, cells, counted, named, over_seas, prefix, texts
+from pipeline.report.yearly import (
+    LEVEL,
+    Table,
+    by_sea,
+    cells,
+    counted,
+    named,
+    of_survivors,
+    over_seas,
+    prefix,
+    texts,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
 POWERS = ("electrical_power", "absorbed_power")  # the first that there is: what a design is for
-SAME = 1e-6  # of a power: by less two do not differ
+SAME = 1e-6  # of the best power: by less two do not differ
 CHOSEN = ("pto_damping", "hinge_spacing")  # and any axis of the floats' keys
 TITLE = "Best in each sea state"
 NOTE = (
     f"Of all floats, mean over realizations; low and high: {LEVEL:.0%} by Student's t. All seas: by their occurrence."
     " A number at an end of its axis may be exceeded beyond. Compared are designs that have all realizations of a sea."
 )
+PAIRED = (
+    f" The next best has less by the mean of the differences in the same waves, in brackets {LEVEL:.0%}; undecided: 0"
+    " is among these. An end that is not so decided against the number beside it is not told."
+)
+
+
+class _Compared(NamedTuple):
+    """Designs in a sea, or in all."""
+
+    mean: xr.DataArray  # power; NaN of those that are not compared
+    at: dict[Hashable, int]  # place of the best
+    ahead: xr.DataArray  # what the best has more than each, in the same realizations, along `estimate`
+
+    @property
+    def least(self) -> float:
+        """By what powers differ."""
+        return SAME * abs(float(self.mean.isel(self.at)))
 
 
 def table(data: xr.Dataset) -> Table:
@@ -29,8 +57,11 @@ def table(data: xr.Dataset) -> Table:
     if not variable:
         return Table(TITLE, (), [], NOTE)
     unit, scale = prefix(data[variable].sel(statistic="mean"))
-    header = ("", "most power with", f"mean {OF[variable]} power [{unit}W]", "low", "high", "realizations")
-    return Table(TITLE, header, list(rows(data, variable, scale)), NOTE)
+    first = ("", "most power with", f"mean {OF[variable]} power [{unit}W]", "low", "high")
+    second = ("next best", f"less by [{unit}W]") if _several(data) else ()
+    lines = list(rows(data, variable, scale))
+    note = NOTE + PAIRED * bool(second) + of_survivors(lines)
+    return Table(TITLE, (*first, *second, "realizations"), lines, note)
 
 
 def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
@@ -42,19 +73,25 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
     designs = [dim for dim in total.dims if total.sizes[dim] > 1 and _is_design(data[dim])]
     for labels, part in cells(total, variable, designs) if designs else ():
         for sea, some in by_sea(part, variable):
-            if some[variable].sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords:
+            each = some[variable]
+            if each.sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords:
                 continue
-            found = over_seas(some[variable], some)
-            first = found.sel(estimate="value", drop=True).where(_whole(some[variable], designs))
-            if not first.fillna(0.0).any():  # nor is there a best of none that takes power
+            found = over_seas(each, some)
+            mean = found.sel(estimate="value", drop=True).where(_whole(each, designs))
+            if not mean.fillna(0.0).any():  # nor is there a best of none that takes power
                 continue
-            at = first.argmax(designs)
-            beside = {dim: first.isel({other: at[other] for other in designs if other != dim}) for dim in designs}
-            chosen = ", ".join(_told(beside[dim], int(at[dim])) for dim in designs)
-            if (known := int(first.notnull().sum())) < first.size:
-                chosen += f" (of {known} among {first.size})"
-            label, power = ", ".join(filter(None, [*labels, sea])), found.isel(at).values
-            yield label, chosen, *texts(power / scale), counted(some[variable].isel(at))
+            at = {dim: int(place) for dim, place in mean.argmax(designs).items()}
+            of = _Compared(mean, at, over_seas(each.isel(at, drop=True) - each, some))
+            chosen = ", ".join(_label(mean[dim], at[dim]) + " (an end)" * _at_end(of, dim) for dim in designs)
+            if (known := int(mean.notnull().sum())) < mean.size:
+                chosen += f" (of {known} among {mean.size})"
+            second = _next_best(of, scale) if _several(data) else ()
+            power = texts(found.isel(at).values / scale)
+            yield ", ".join(filter(None, [*labels, sea])), chosen, *power, *second, counted(each.isel(at))
+
+
+def _several(data: xr.Dataset) -> bool:
+    return data.sizes.get("seed", 1) > 1
 
 
 def _is_design(axis: xr.DataArray) -> bool:
@@ -68,18 +105,41 @@ def _whole(each: xr.DataArray, designs: Sequence[Hashable]) -> xr.DataArray:
     return whole.all("sea_state") if "sea_state" in whole.dims else whole
 
 
-def _told(power: xr.DataArray, number: int) -> str:
-    """One of an axis's values with those that go along, and whether it is the last of some numbers to either side.
+def _next_best(of: _Compared, scale: float) -> tuple[str, str]:
+    """The one with the most power of those that differ from the best, by where they do, and by how much, over scale."""
+    others = of.mean.where(of.mean < of.mean.isel(of.at) - of.least)
+    if others.isnull().all():
+        return "-", "-"
+    at = {dim: int(place) for dim, place in others.argmax([*of.at]).items()}
+    label = ", ".join(_label(of.mean[dim], place) for dim, place in at.items() if place != of.at[dim])
+    ahead = of.ahead.isel(at).values
+    less, low, high = texts(ahead / scale)
+    if np.isnan(ahead[1]):
+        return label, less
+    return label, f"{less} [{low}, {high}]" + " undecided" * bool(ahead[1] <= of.least)
 
-    power: along the axis. Numbers of samples have no end, nor has an axis that does not matter one that does.
+
+def _label(axis: xr.DataArray, place: int) -> str:
+    """One of an axis's values, with those that go along."""
+    along = [named(str(name).rpartition("floats.")[2], other.values[place]) for name, other in _along(axis)]
+    return named(axis.name, axis.values[place]) + f" ({', '.join(along)})" * bool(along)
+
+
+def _along(axis: xr.DataArray) -> list[tuple[Hashable, xr.DataArray]]:
+    return [(name, other) for name, other in axis.coords.items() if name != axis.name and other.dims == axis.dims]
+
+
+def _at_end(of: _Compared, dim: Hashable) -> bool:
+    """Whether the best is the last of an axis's numbers to either side, and decided against the one beside it.
+
+    Where no interval tells that, it is if the axis matters. Numbers of samples have no end.
     """
-    (dim,) = power.dims
-    axis = power[dim]
-    label = named(dim, axis.values[number])
-    along = [named(str(name).rpartition("floats.")[2], of.values[number]) for name, of in axis.coords.items()
-             if name != dim and of.dims == (dim,)]  # fmt: skip
-    if along:
-        return f"{label} ({', '.join(along)})"
-    matters = float(power.max() - power.min()) > SAME * abs(float(power.max()))
-    ends = np.issubdtype(axis.dtype, np.number) and axis.values[number] in (axis.values.min(), axis.values.max())
-    return label + " (an end)" * bool(ends and matters)
+    axis, place = of.mean[dim], of.at[dim]
+    numbers = axis.values
+    if _along(axis) or not np.issubdtype(axis.dtype, np.number) or numbers[place] not in (numbers.min(), numbers.max()):
+        return False
+    at = {other: number for other, number in of.at.items() if other != dim}
+    mean, low = of.mean.isel(at).values, of.ahead.sel(estimate="low").isel(at).values
+    order = [i for i in np.argsort(numbers) if not np.isnan(mean[i])]
+    beside = low[order[:2][-1] if order[0] == place else order[-2]]
+    return bool((np.nanmax(mean) - np.nanmin(mean) if np.isnan(beside) else beside) > of.least)

@@ -2,6 +2,8 @@
 
 import numpy as np
 import xarray as xr
+from pytest import approx
+from scipy import stats
 
 from pipeline.report.best import rows as rows_of
 from pipeline.report.best import table
@@ -122,5 +124,53 @@ def test_with_an_efficiency_the_best_is_that_of_electrical_power():
     assert told.header[2] == "mean electrical power [kW]"
     assert [line[:3] for line in told.lines] == [
         ("mild", "pto_damping 200000", "4"),
-        ("rough", "pto_damping 400000 (an end)", "6.5"),
+        ("rough", "pto_damping 400000", "6.5"),
     ]
+
+
+def of_spacing(mild, rough):
+    """Power [kW] (hinge_spacing, seed) of one float in seas of which the rough one comes a quarter of the time."""
+    power = 1e3 * np.array([mild, rough], float)[..., None, None]
+    return xr.Dataset(
+        {"absorbed_power": (("sea_state", "hinge_spacing", "seed", "float", "statistic"), power)},
+        coords={"hinge_spacing": [4.0, 6.0, 8.0][: power.shape[1]], "sea_state": ["mild", "rough"]}
+        | {"float": ["only"], "statistic": ["mean"], "occurrence": ("sea_state", [3.0, 1.0])},
+    )
+
+
+def test_the_next_best_has_less_by_paired_differences():
+    """Seeds scatter by far more than designs differ in each sea: that is decided. Of a year it is not."""
+    scatter, less = np.array([-0.5, 0.1, 0.4]), np.array([0.03, 0.05, 0.04])
+    rough = 2 * less + [0.02, -0.05, 0.03]
+    data = of_spacing([3 + scatter, 3 + scatter - less], [9 + scatter - 2 * rough, 9 + scatter])
+    every, mild, steep = table(data).lines
+    assert table(data).header[5:] == ("next best", "less by [kW]", "realizations")
+    half = stats.t.ppf(0.975, 2) * less.std(ddof=1) / np.sqrt(3)
+    assert mild[1] == "hinge_spacing 4 (an end)" and float(mild[3]) < 3 - 0.04 < float(mild[4])
+    assert mild[5:] == ("hinge_spacing 6", f"0.04 [{0.04 - half:.3g}, {0.04 + half:.3g}]", "3")
+    assert (steep[1], steep[5]) == ("hinge_spacing 6 (an end)", "hinge_spacing 4") and "undecided" not in steep[6]
+    assert (every[1], every[5]) == ("hinge_spacing 6", "hinge_spacing 4") and every[6].endswith("] undecided")
+    assert float(every[6].split()[0]) == approx(0.25 * 2 * rough.mean() - 0.75 * 0.04, abs=1e-4)
+    single = table(data.isel(seed=[1]))
+    assert single.header[5:] == ("realizations",) and [line[1][-8:] for line in single.lines] == ["(an end)"] * 3
+
+
+def test_an_end_is_decided_against_the_number_beside_it():
+    """Of those that are compared: what is far better than the other end may be no better than what is beside it."""
+    scatter = np.array([-0.01, 0.01])
+    data = of_spacing(*2 * [[5 + scatter, 5.01 - scatter, 8 + 3 * scatter]]).isel(hinge_spacing=[2, 0, 1])
+    assert {line[1] for line in rows(data)} == {"hinge_spacing 8 (an end)"}
+    data = data.copy(deep=True).assign_coords(hinge_spacing=[4.0, 8.0, 6.0])
+    data.absorbed_power[:, 2] = 7.9e3 - 3e3 * scatter[:, None, None]
+    assert {line[1] for line in rows(data)} == {"hinge_spacing 4"}
+    data.absorbed_power[:, 2, 0] = np.nan
+    assert {line[1] for line in rows(data)} == {"hinge_spacing 4 (an end) (of 2 among 3)"}
+
+
+def test_designs_alike_are_no_next_best():
+    """Which is told by the axes along which it differs; where all are alike there is none."""
+    data = of_spacing([[3, 5], [4, 6.5]], [[7, 9], [8, 9.5]])
+    data = data.assign(absorbed_power=data.absorbed_power * xr.DataArray([1.0, 1 - 1e-9], dims="pto_damping"))
+    data = data.assign_coords(pto_damping=[1e5, 2e5])
+    assert {line[5] for line in rows(data)} == {"hinge_spacing 4"}
+    assert {line[5:7] for line in rows(data.isel(hinge_spacing=[0]))} == {("-", "-")}
