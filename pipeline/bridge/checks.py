@@ -223,8 +223,6 @@ def _survival(study: StudyFile) -> Iterator[InputError]:
         if first not in SURVIVING:
             yield InputError(where, value, f"must be a key of {', '.join(SURVIVING)}")
             continue
-        if path.endswith(".pto_damping") and study.axes.pto_damping:
-            yield InputError(where, value, "must be left out beside axes.pto_damping, which would decide alone")
         if limit := _objection(study, path, study.survival.keys):
             yield InputError(where, value, limit)
     if not study.survival.keys:

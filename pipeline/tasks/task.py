@@ -16,7 +16,7 @@ from pipeline.study.attachments import Attachment, CoefficientFile
 from pipeline.study.axes import last, told, word
 from pipeline.study.floats import Float
 from pipeline.study.layout import hinge_nodes, spaced
-from pipeline.study.paths import with_values
+from pipeline.study.paths import keys_at, with_values
 from pipeline.study.platform import Platform
 from pipeline.study.schema import Current, StudyFile, Water
 from pipeline.study.seas import SeaState, Waves
@@ -263,10 +263,11 @@ def cell(study: StudyFile, labels: Mapping[str, Label], varied: tuple[str, ...],
 def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     study = at_labels(study, labels)
     sea = study.sea_states[str(labels["sea_state"])]
+    apart: frozenset[str] = frozenset()
     if study.survival and seas.height(sea) > study.survival.Hs:
-        study = surviving(Same(study))
+        study, apart = surviving(Same(study)), _damped_apart(Same(study))
     spacing = float(labels["hinge_spacing"]) if study.axes.hinge_spacing else None
-    floats = _floats(Same(study), spacing, labels["pto_damping"] if study.axes.pto_damping else None)
+    floats = _floats(Same(study), spacing, labels["pto_damping"] if study.axes.pto_damping else None, apart)
     platform = None
     if study.platform and labels["platform"] != "fixed":
         platform = _with_hinges(Same(study.platform), tuple(hinge_nodes(floats).items()))
@@ -297,18 +298,29 @@ def surviving(same: Same[StudyFile]) -> StudyFile:
 
 
 @lru_cache(maxsize=128)  # one for tasks that share it
+def _damped_apart(same: Same[StudyFile]) -> frozenset[str]:
+    """Floats whose damping in high seas is that of [survival], whatever it is along its axis."""
+    paths = same.table.survival.keys if same.table.survival else ()
+    keys = [key for path in paths for key in keys_at(same.table, path)]
+    return frozenset(key[1] for key in keys if key[0] == "floats" and "pto_damping" in key[2:3])
+
+
+@lru_cache(maxsize=128)  # one for tasks that share it
 def _with_hinges(same: Same[Platform], hinges: tuple[tuple[str, Vector], ...]) -> Platform:
     return same.table.model_copy(update={"nodes": {**same.table.nodes, **dict(hinges)}})
 
 
 @lru_cache(maxsize=128)  # one for tasks that share it
-def _floats(same: Same[StudyFile], spacing: float | None, damping: Label | None) -> tuple[Float, ...]:
-    """With the hinges so far apart and that damping, where these vary."""
+def _floats(
+    same: Same[StudyFile], spacing: float | None, damping: Label | None, apart: frozenset[str]
+) -> tuple[Float, ...]:
+    """With the hinges so far apart and that damping, where these vary, but of floats that are damped apart."""
     floats = same.table.floats
     if spacing is not None:
         floats = spaced(floats, spacing)
     if damping is not None:
-        floats = tuple(f.model_copy(update={"pto_damping": damping}) if f.motion else f for f in floats)
+        along = {f.name for f in floats if f.motion} - apart
+        floats = tuple(f.model_copy(update={"pto_damping": damping}) if f.name in along else f for f in floats)
     return floats
 
 

@@ -145,6 +145,26 @@ def test_above_a_height_other_values_hold_and_calm_seas_keep_their_tasks(small):
     assert lifted == {"calm": ["front", "second"], "rough": ["second"]}
 
 
+def test_damping_above_a_height_holds_along_the_axis_of_all_floats(small):
+    """By either axis the same tasks; of two floats the one that survival does not name keeps the axis's damping."""
+    plain = with_more(small, ("second", 9.5))
+    keys = "'floats.front.pto_damping' = 7e4\n'floats.*.coulomb' = 1e3"
+    above = f"[survival]\nHs = 0.5\n{keys}\n[axes]\n{{}} = [1e5, 2e5]\n"
+
+    def tasks(axis):
+        small.write_text(plain.replace("[axes]\n", above.format(axis)))
+        return list(load(small).tasks)
+
+    named = tasks("pto_damping")
+    told = {
+        (t.labels["sea_state"], t.labels["pto_damping"]): tuple(f.pto_damping for f in t.parameters.floats)
+        for t in named
+        if t.parameters.floats
+    }
+    assert told == {(sea, c): (7e4 if sea == "rough" else c, c) for sea in ("calm", "rough") for c in (1e5, 2e5)}
+    assert {t.id for t in named} == {t.id for t in tasks("'floats.*.pto_damping'")}
+
+
 TOGETHER = """[[axes.together]]
 name = "tune"
 "length [m]" = [5.0, 1.0, 3.0, 1.0]
