@@ -32,13 +32,15 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
     weighed, reasons = False, []
     preloads = item.per_axis("preload")
     for (name, weight, buoyancy, pull), preload in zip(_along(item, water, floats), preloads, strict=True):
-        excess = abs(weight + buoyancy + pull)
-        if excess > ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity)):
-            weighed |= name not in LEVEL_AXES
+        limit = ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity))
+        if abs(weight + buoyancy + pull) <= limit:
+            continue
+        if abs(weight + buoyancy) > limit or abs(pull) <= limit:  # else it is by the pull alone
+            weighed |= name == "heave" or "heave" not in item.motion
             if name not in DOFS[:3]:
                 what = "weight and of what it carries" if hung else "weight"
                 reasons.append(f"{name}: moment of {what} {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m")
-            reasons += _pulled(name, preload, pull - preload, pressed * (name == "heave"))
+        reasons += _pulled(name, preload, pull - preload, pressed * (name == "heave"))
     told = "; ".join([*([_weighed(item, hung, water)] if weighed else []), *reasons])
     if not told:
         return ()

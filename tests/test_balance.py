@@ -37,16 +37,34 @@ def test_one_percent_of_the_weight_is_the_limit(share, count, joint):
 
 
 def test_a_preload_or_lines_that_are_the_reason_are_named():
+    """By themselves where weight and buoyancy balance each other."""
+    told = "floats.ball is out of equilibrium: {}. It settles before the run begins"
     down = Mooring(stiffness=((0.0,) * 6,) * 6, pretension=(0.0, 0.0, -2e5, 0.0, 0.0, 0.0))
-    (text,) = imbalance(ball(preload=-1e5), DEEP)
-    assert "(+0.00%); along heave a preload of -1e+05 N. It settles" in text
-    (text,) = imbalance(ball(mooring=down), DEEP)
-    assert "along heave a pull of mooring or lines of -2e+05 N. It settles" in text
-    (text,) = imbalance(ball(preload=-1e5, mooring=down), DEEP)
-    assert "along heave a preload of -1e+05 N and a pull of mooring or lines of -2e+05 N. It settles" in text
-    (text,) = imbalance(ball(motion=("hinge",), hinge=(-20, 0, 3), arm=(20, 0, -3), preload=4e6), DEEP)
-    assert "; along hinge a preload of 4e+06 N m. It settles" in text
+    held, pulled = "along heave a preload of -1e+05 N", "a pull of mooring or lines of -2e+05 N"
+    assert imbalance(ball(preload=-1e5), DEEP) == (told.format(held),)
+    assert imbalance(ball(mooring=down), DEEP) == (told.format(f"along heave {pulled}"),)
+    assert imbalance(ball(preload=-1e5, mooring=down), DEEP) == (told.format(f"{held} and {pulled}"),)
+    hinge = {"motion": ("hinge",), "hinge": (-20, 0, 3), "arm": (20, 0, -3)}
+    assert imbalance(ball(**hinge, preload=4e6), DEEP) == (told.format("along hinge a preload of 4e+06 N m"),)
+    (text,) = imbalance(ball(**hinge, preload=4e6, mass=0.9 * DISPLACED), DEEP)
+    assert "(-10.00%); hinge: moment of weight " in text and "; along hinge a preload of 4e+06 N m. It" in text
     assert "along" not in imbalance(ball(mass=0.9 * DISPLACED), DEEP)[0]
+    both = imbalance(ball(mass=1.008 * DISPLACED, preload=-0.008 * DISPLACED * DEEP.gravity), DEEP)[0]
+    assert "(+0.80%); along heave a preload of " in both  # neither of which is out of balance by itself
+
+
+def test_mass_that_balances_a_pull_is_no_reason():
+    """Heave is in balance by both; surge and pitch are not, pitch by the pull or by where the weight is."""
+    whole = (4e4, 0.0, -2e5, 0.0, 2e6, 0.0)
+    item = ball(motion=("surge", "heave", "pitch"), mooring=Mooring(stiffness=((0.0,) * 6,) * 6, pretension=whole))
+    (found,) = balanced([item], DEEP, [("mass",)])
+    assert abs(found.mass / DISPLACED - 1) > 0.03
+    surge, pitch = (f"along {name} a pull of mooring or lines of" for name in ("surge", "pitch"))
+    assert imbalance(found, DEEP) == (
+        f"floats.ball is out of equilibrium: {surge} 4e+04 N; {pitch} 2e+06 N m. It settles before the run begins",
+    )
+    (text,) = imbalance(replace(found, cog=(1.0, 0.0, -1.0)), DEEP)
+    assert f"{surge} 4e+04 N; pitch: moment of weight " in text and "kg" not in text
 
 
 def line(angle, length=128.0):

@@ -144,7 +144,7 @@ def test_the_page_has_damage_and_life_where_they_are_reckoned(results):
     text = page.html(replace(results, data=results.data.assign(damage=damage)))
     assert "<h2>Fatigue</h2>" in text and "elastic-no-floats, all seas" in text and "fixed, all seas" not in text
     row = next(line for line in text.splitlines() if "elastic, all seas" in line)
-    assert "<td>0.00877</td><td>-</td><td>-</td><td>114</td>" in row and "<td>1/2</td>" in row
+    assert "<td>0.00877</td><td>-</td><td>-</td><td>114</td>" in row and "<td>1 to 2, 1 failed</td>" in row
     assert "<h2>Fatigue</h2>" not in page.html(results)
 
 
