@@ -41,6 +41,7 @@ UNCHANGED = object()
 WORD = re.compile(r"([A-Za-z_]\w*)(?: \[([^\[\]]+)\])?")  # length [m]
 LAST = re.compile(r"[^.]*(\.\d+)*$")
 OTHERWISE = {"pto_damping": '"floats.*.pto_damping"', "hinge_spacing": '"floats.NAME.hinge.0", a float\'s x,'}
+UNDOTTED = ("coefficients", "left_out")  # keys of a study itself, in no table: their paths have no dot
 DIGITS = 12  # of a range's numbers, so that 0.1 + 0.2 is written as 0.3
 
 
@@ -120,7 +121,7 @@ Sampled = Annotated[
 
 
 class Together(Table):
-    """Keys that change together, along one dimension; a key without a dot only goes with the labels: length [m]."""
+    """Keys that change together, along one dimension; a word that is no key only goes with the labels: length [m]."""
 
     name: Annotated[Name, "Name of the dimension, which is numbered from 1"]
     keys: Annotated[dict[str, tuple[Any, ...]], "A list of values for each dotted path, all of one length"]
@@ -333,8 +334,8 @@ def _flat(table: type[Table], data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _by_dots(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Keys of the table itself, and dotted paths."""
-    paths = {key: value for key, value in table.items() if "." in key}
+    """Keys of the table itself, and paths."""
+    paths = {key: value for key, value in table.items() if "." in key or key in UNDOTTED}
     return {key: value for key, value in table.items() if key not in paths}, paths
 
 

@@ -56,4 +56,7 @@ def rooted(value: Any, folder: Path) -> Any:
 
 
 def _rooted_path(value: Any, folder: Path) -> Any:
+    """Of a file, or of several along an axis."""
+    if isinstance(value, list):
+        return [_rooted_path(item, folder) for item in value]
     return str((folder / value).absolute()) if isinstance(value, str) and value else value

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
-from pipeline.study.axes import Range
+from pipeline.study.axes import UNDOTTED, Range
 from pipeline.study.inherit import BASE
 from pipeline.study.schema import StudyFile
 from pipeline.study.tables import LARGEST, MOST
@@ -17,7 +17,7 @@ DRAFT = "http://json-schema.org/draft-04/schema#"  # which editors of TOML know
 ANY = "PATH"  # stands for the dotted path of any key
 STANDS_ON = {"type": "string", "description": "A study file, relative to this one, of which this one says what differs"}
 FIXED = (BASE, "title", "axes", "variants", "samples")  # what no path leads into
-DOTTED = r"\."
+PATHS = rf"\.|^({'|'.join(UNDOTTED)})$"  # of keys that are varied
 KEPT = ("type", "description", "pattern", "enum", "x-unit", "format", "maxLength", "minLength", "maxItems", "minItems")
 
 
@@ -244,4 +244,4 @@ def _open_to_paths(table: Node, tables: Iterable[str]) -> None:
     else:
         listed = of_path.get("type") == "array"
         either = {"anyOf": [of_path, {"$ref": "#/definitions/Range"}]} if listed else of_path
-        table["patternProperties"] = {DOTTED: either | {"description": paths["description"]}}
+        table["patternProperties"] = {PATHS: either | {"description": paths["description"]}}

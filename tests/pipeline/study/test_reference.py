@@ -131,6 +131,9 @@ def test_the_schema_notices(line):
 
 def test_the_schema_lets_pass_what_is_good():
     assert VALID.is_valid({"water": {"depth": float("inf")}})
+    water = {"water": {"depth": 50.0}}
+    axes = {"coefficients": ["a.nc"], "left_out": [[], ["rear"]], "floats.*.mass": [1.0]}
+    assert VALID.is_valid({**water, "axes": axes}) and not VALID.is_valid({**water, "axes": {"mass": [1.0]}})
     assert not VALID.is_valid({"title": "nothing"})
 
 

@@ -102,6 +102,32 @@ def test_a_float_left_out_is_as_one_never_named(small):
     assert {task.id for task in tasks if task.labels["variant"] == "alone"} == alone and len(tasks) == 2 * len(alone)
 
 
+def test_keys_in_no_table_are_axes_by_their_names(small):
+    """By themselves, together with others, and of a base in another folder, whose files are found beside it."""
+
+    def above(text, folder="."):
+        path = small.parent / folder / "above.toml"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        return list(load(path).tasks)
+
+    small.write_text(with_more(small, ("second", 9.5)))
+    base, left = f'base = "{small.name}"\n', 'left_out = [[], ["second"]]\n'
+    ids = {task.id for text in ("", 'left_out = ["second"]\n') for task in above(base + text)}
+    alone, together = (
+        above(base + table + left)
+        for table in ("[axes]\n", '[[axes.together]]\nname = "how"\n"floats.front.mass" = [2147.0, 2147.0]\n')
+    )
+    assert {task.id for task in alone} == ids == {task.id for task in together}
+    assert {task.labels["left_out"] for task in alone} == {"[]", '["second"]'}
+    assert {task.labels["how"] for task in together} == {1, 2}
+    for name in ("a.nc", "b.nc"):
+        small.with_name(name).write_text(name)
+    files = above(f'{base}[axes]\ncoefficients = ["a.nc", "b.nc"]\n')
+    assert len({task.id for task in files}) == len(ids)
+    assert [t.id for t in above('base = "../above.toml"\n', "upper")] == [t.id for t in files]
+
+
 def test_what_is_left_out_carries_nothing_that_stays(small):
     text = with_more(small, ("second", 9.5), ("third", 19.0))
     text = text.replace('name = "second"', 'name = "second"\non = "front"')
