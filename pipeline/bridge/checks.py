@@ -223,7 +223,9 @@ def _survival(study: StudyFile) -> Iterator[InputError]:
         if first not in SURVIVING:
             yield InputError(where, value, f"must be a key of {', '.join(SURVIVING)}")
             continue
-        if limit := _objection(study, path, study.survival.keys):
+        if study.axes.hinge_spacing and first == "floats" and "hinge" in path.split("."):
+            yield InputError(where, value, "must be left out beside axes.hinge_spacing, which alone decides on hinges")
+        elif limit := _objection(study, path, study.survival.keys):
             yield InputError(where, value, limit)
     if not study.survival.keys:
         yield InputError("survival", "{}", 'needs keys that change, as "floats.*.coulomb" = 1e9, or left_out')

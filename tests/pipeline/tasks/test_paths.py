@@ -191,6 +191,13 @@ def test_damping_above_a_height_holds_along_the_axis_of_all_floats(small):
     assert {t.id for t in named} == {t.id for t in tasks("'floats.*.pto_damping'")}
 
 
+def test_hinges_above_a_height_and_an_axis_over_their_distance_are_refused(small):
+    above = "[survival]\nHs = 0.5\n'floats.front.hinge.0' = -3.0\n[axes]\nhinge_spacing = [18.0, 19.0]\n"
+    small.write_text(with_more(small, ("second", 9.5)).replace("[axes]\n", above))
+    with pytest.raises(StudyError, match=r'survival."floats.front.hinge.0" = -3.0: must be left out beside axes.hinge'):
+        load(small)
+
+
 TOGETHER = """[[axes.together]]
 name = "tune"
 "length [m]" = [5.0, 1.0, 3.0, 1.0]
