@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS
-from solver.hydrodynamics.bem.exerted import Floats, in_long_waves, long_waves, passing
+from solver.hydrodynamics.bem.exerted import Floats, arrival, in_long_waves, long_waves, passing
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.misfit import misfit
 
@@ -30,7 +30,7 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
     if not long.rows.any():
         return six, "no waves long against the hulls are among the frequencies: phases were not judged"
     if long.off > 1:
-        moved = _moved(six, floats, floats.sea.wavenumbers(six.omega))
+        moved = _moved(six, floats)
         if len(floats.hulls) > 1 or in_long_waves(moved, floats, expected).off > 1:
             raise InputError(KEY, six.name, misfit(six, floats, expected))
         x, y, _ = floats.centres[0]
@@ -38,15 +38,14 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
     return six, ""
 
 
-def _moved(six: Given, floats: Floats, k: np.ndarray) -> Given:
+def _moved(six: Given, floats: Floats) -> Given:
     """Coefficients of one body computed at x = y = 0, where it is: the wave comes later, and nothing else changes."""
-    x, y, _ = floats.centres[0]
-    arrival = np.exp(1j * k * (x * np.cos(floats.sea.heading) + y * np.sin(floats.sea.heading)))[:, None, None]
+    (x, y, _), later = floats.centres[0], arrival(six, floats)
     incident, points = six.froude_krylov, six.points
     return replace(
         six,
-        excitation=six.excitation * arrival,
-        froude_krylov=None if incident is None else incident * arrival,
+        excitation=six.excitation * later,
+        froude_krylov=None if incident is None else incident * later,
         points=None if points is None else np.add(points, (x, y, 0.0)),
     )
 

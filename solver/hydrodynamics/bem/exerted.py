@@ -59,6 +59,14 @@ def passing(six: Given, floats: Floats) -> np.ndarray:
     return _scattered(six, floats).sum(axis=2)
 
 
+def arrival(six: Given, floats: Floats) -> np.ndarray:
+    """The wave at the place of each column's float (nw, 1, 6 nb), over that at x = y = 0: it comes later there."""
+    x, y, _ = floats.centres.T
+    way = x * np.cos(floats.sea.heading) + y * np.sin(floats.sea.heading)
+    phase = np.multiply.outer(floats.sea.wavenumbers(six.omega), np.repeat(way, 6))
+    return np.asarray(np.exp(1j * phase)[:, None])
+
+
 def _scattered(six: Given, floats: Floats) -> np.ndarray:
     """The same by the body that the water passes (nw, 6 nb, nb)."""
     u = np.zeros((len(six.omega), 6 * len(floats.hulls)), complex)

@@ -7,7 +7,7 @@ from itertools import permutations
 import numpy as np
 
 from solver.hydrodynamics.bem.coefficients import DOFS
-from solver.hydrodynamics.bem.exerted import FELT, Floats, Long, felt, in_long_waves, passing
+from solver.hydrodynamics.bem.exerted import FELT, Floats, Long, arrival, felt, in_long_waves, passing
 from solver.hydrodynamics.bem.given import Given, turned
 
 IN_PHASE = 0.5  # cosine of the phase, force-weighted: of less some convention is another
@@ -70,6 +70,8 @@ def _slips(six: Given, floats: Floats) -> Iterator[tuple[Given, Floats, str]]:
     yield _inverted(six), floats, "is as of frequencies where periods are needed"
     over = replace(six, added_mass=six.added_mass / rho, radiation_damping=six.radiation_damping / rho)
     yield over, floats, "is as of added mass and damping that were to be divided by density"
+    own = replace(six, excitation=six.excitation * arrival(six, floats))
+    yield own, floats, "is as of phases that refer to a crest at each float's own place: at x = y = 0 is needed"
     clockwise = floats._replace(sea=replace(floats.sea, heading=-heading))
     towards = f"{np.degrees(-heading):.4g} degrees"
     yield six, clockwise, f"is of waves towards {towards}: headings are from x towards y, seen from above"

@@ -239,6 +239,9 @@ def test_every_other_convention_is_named():
     refused(told(excitation=force.conj(), time_sign=1), match=own)  # as the file has it, of which these are conjugates
     refused(told(excitation=-force), match="opposite sign")
     refused(told(excitation=1j * force), match="quarter of a period")
+    apart = 1j * np.multiply.outer(Sea(**WATER).wavenumbers(h.omega), CENTRES[:, :2] @ (np.cos(0.3), np.sin(0.3)))
+    own = force * np.exp(-apart).repeat(6, axis=1)[:, None]
+    refused(told(excitation=own), match="phases that refer to a crest at each float's own place")
     refused(shuffled(h), match="bodies in another order: rear, front")
     refused(told(excitation=force * 8), match="force on .* is 8 times")
     refused(told(radiation_damping=-h.radiation_damping), match="damping is negative at")
