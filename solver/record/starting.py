@@ -5,7 +5,8 @@ in, 1 - exp(-Bt) of the variance that it will have. A record from t₁ on, of du
 
     exp(-Bt₁) (1 - exp(-BT))/(BT)
 
-of what resonates. In one wave the record tells by itself: see settling.
+of what resonates; less where damping is quadratic, and so less at first. In one wave the record tells by itself: see
+settling.
 """
 
 from collections.abc import Iterator
