@@ -22,8 +22,8 @@ from solver.record.effects import force_error, response_error
 from solver.record.probe import UNTOLD
 from solver.statistics import FAINT
 
-HARMONICS, INSTANTS = 6, 24  # with these marches' std and power are met to some 1e-4
-ROUNDS = 20  # a flap that swings by 0.3 rad needs 12
+HARMONICS, INSTANTS = 6, 24  # ten change what is told by less than 1e-4 of it, up to 0.3 rad
+ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
 AGREED = 0.02  # last change of the harmonics, of what turning changes of them
 PHASES = np.exp(-2j * np.pi * np.outer(np.arange(INSTANTS), np.arange(HARMONICS)) / INSTANTS)
 
