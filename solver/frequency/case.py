@@ -191,12 +191,7 @@ class Case:
         if h is None:
             return np.zeros((self.omega.size, *2 * (len(self.model.active),)))
         Y, at = impedance(self.system, h, self.waves), self.nodes.omega
-        if not at.size:
-            return Y
-        known = np.maximum(at, h.omega[0])
-        rest = impedance(self.system, h, known)
-        rest.imag *= (at / known)[:, None, None]
-        return np.concatenate([Y, rest])
+        return np.concatenate([Y, impedance_anywhere(self.system, h, at)]) if at.size else Y
 
     @cached_property
     def excitation(self) -> np.ndarray:
@@ -310,10 +305,14 @@ class Case:
 
     def shift(self, load: np.ndarray) -> np.ndarray:
         """C⁻¹ f (n,) of a steady load (n,); what nothing holds stays where it is."""
+        pulled = np.append(load, np.zeros(len(self._held) - load.size))
+        return np.linalg.solve(self._held, pulled)[: load.size]
+
+    @cached_property
+    def _held(self) -> np.ndarray:
+        """C, and of each shape that nothing holds a row and a column that do."""
         free = self.modes.shapes[:, self.modes.omega == 0]
-        count = free.shape[1]
-        held = np.block([[self.model.stiffness, free], [free.T, np.zeros((count, count))]])
-        return np.linalg.solve(held, np.append(load, np.zeros(count)))[: load.size]
+        return np.block([[self.model.stiffness, free], [free.T, np.zeros((free.shape[1],) * 2)]])
 
     def law(self, floats: tuple[Float, ...]) -> JointLaw:
         """Of the same joints with these floats' dampers."""
@@ -328,6 +327,14 @@ class Case:
     def damped_model(self, law: JointLaw) -> LinearModel:
         """With the law's dampers."""
         return self.model.damped(self.linear_damping(law))
+
+
+def impedance_anywhere(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
+    """Y (nw, na, na), added mass and damping beyond the frequencies solved for those of the nearest one."""
+    known = omega.clip(h.omega[0], h.omega[-1])
+    Y = impedance(system, h, known)
+    Y.imag *= (omega / known)[:, None, None]
+    return Y
 
 
 @lru_cache(maxsize=KNOWN)

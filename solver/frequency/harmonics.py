@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.equilibrium import balance
-from solver.coupled.linear import impedance, jacobian
-from solver.frequency.case import Case
+from solver.coupled.linear import jacobian
+from solver.frequency.case import Case, impedance_anywhere
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.multibody.joint_law import JointLaw
@@ -90,10 +90,8 @@ def _first(lines: np.ndarray) -> np.ndarray:
 def _wave(case: Case) -> _Wave:
     omega, h = case.waves[0] * np.arange(HARMONICS), case.hydrodynamics
     Y = np.zeros((HARMONICS, *case.impedance.shape[1:]), complex)
-    if h is not None:  # beyond the frequencies solved for, added mass and damping of the nearest
-        known = np.clip(omega[1:], h.omega[0], h.omega[-1])
-        Y[1:] = impedance(case.system, h, known)
-        Y.imag[1:] *= (omega[1:] / known)[:, None, None]
+    if h is not None:
+        Y[1:] = impedance_anywhere(case.system, h, omega[1:])
     excitation = np.zeros((HARMONICS, *case.excitation.shape[1:]), complex)
     excitation[1] = case.excitation[0]
     return _Wave(omega, Y, excitation)
@@ -105,15 +103,15 @@ def _beyond(case: Case, wave: _Wave, X: np.ndarray) -> tuple[np.ndarray, np.ndar
     active, model = body.active, case.model
     states = [(-1j * wave.omega[:, None]) ** k * (X @ model.shape.T) for k in range(3)]
     z, dz, ddz = (_at_instants(x) for x in states)
-    levers = np.array([jacobian(body, rest + at) for at in z])
+    levers, at_rest = np.array([jacobian(body, rest + at) for at in z]), jacobian(body, rest)
     velocity = np.einsum("tbiz,tz->tbi", levers[:, :, active], dz)
-    moved = _harmonics(velocity), np.einsum("biz,kz->kbi", jacobian(body, rest)[:, active], states[1])
+    moved = _harmonics(velocity), np.einsum("biz,kz->kbi", at_rest[:, active], states[1])
     exact, usual = (_radiated(wave, V, active) for V in moved)
     still, wrench = balance(body, rest + z, dz, ddz)
     water = _at_instants(exact)
     load = still + np.einsum("tbiz,tbi->tz", levers, water)
     linear = sum(x @ slope.T for x, slope in zip((z, dz, ddz), -model.floats, strict=True))
-    linear = linear + np.einsum("biz,tbi->tz", jacobian(body, rest), _at_instants(usual))
+    linear = linear + np.einsum("biz,tbi->tz", at_rest, _at_instants(usual))
     more = _harmonics(load - linear)
     more[0] -= case.loads_at_rest[0]
     return more @ model.shape, _harmonics(wrench + water)

@@ -105,8 +105,8 @@ def _in_still_water(resting: Resting, of_states: np.ndarray) -> tuple[np.ndarray
     at, rate, acceleration = np.split(sides, 3, axis=-1)
     half, n = variance[used] / (2 * NEAR**2), int(used.sum())
     load, wrench = balance(body, z + at, rate, acceleration)
-    curved = (np.tensordot(half, f[:n] + f[n : 2 * n] - 2 * f[-1], 1) for f in (load, wrench))
-    return next(curved), next(curved)
+    of_load, of_wrench = (np.tensordot(half, f[:n] + f[n : 2 * n] - 2 * f[-1], 1) for f in (load, wrench))
+    return of_load, of_wrench
 
 
 def rotation_effect(case: Case, law: JointLaw, response: Response, frame: Forces) -> float:

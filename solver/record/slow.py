@@ -52,14 +52,12 @@ class Slow(NamedTuple):
 
 def slow(system: System, h: Hydrodynamics) -> Slow:
     """The shapes that are damped lightly and that something drives there: none of a single wave, or in still water."""
-    model, none = moving_model(system, h), np.zeros(0)
+    none = np.zeros(0)
     if not _driven(system):
-        return Slow(none, np.zeros((0, len(model.active))), none)
+        return Slow(none, np.zeros((0, len(linear_model(system).active))), none)
     own, shapes, moved, radiated = below(system, h)
     # What resonates below the waves follows them by its inertia: its drag hardly changes their rates, by which it is.
-    D, nm = model.damping.copy(), system.structure.omega.size
-    D[:nm, :nm] += drag_damping(system)
-    damping = np.einsum("mi,ij,mj->m", shapes, D, shapes) + radiated
+    damping = unradiated(system, h, shapes) + radiated
     lightly = (damping > 0) & (damping < 2 * LIGHTLY * own)
     return Slow(own[lightly], moved[lightly], damping[lightly])
 
@@ -70,9 +68,21 @@ def below(system: System, h: Hydrodynamics | None) -> Below:
     least = omega.min() if omega.size > 1 else 0.0
     some = (modes.omega > 0) & (modes.omega < least)
     own, shapes = modes.omega[some], modes.shapes[:, some].T
+    return Below(own, shapes, *radiating(system, h, own, shapes))
+
+
+def radiating(system: System, h: Hydrodynamics | None, own: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Of shapes φ (m, n) at their frequencies (m,): what of each radiates, Eφ (m, na), and by that its part of B."""
     moved = shapes @ linear_model(system).active.T
-    radiated = np.zeros(own.size) if h is None or not own.size else _of(extended(system, h, own).real, moved)
-    return Below(own, shapes, moved, radiated)
+    return moved, np.zeros(own.size) if h is None or not own.size else _of(extended(system, h, own).real, moved)
+
+
+def unradiated(system: System, h: Hydrodynamics | None, shapes: np.ndarray) -> np.ndarray:
+    """The rest of B (m,), dampers and drag, of shapes (m, n)."""
+    model, nm = linear_model(system) if h is None else moving_model(system, h), system.structure.omega.size
+    D = model.damping.copy()
+    D[:nm, :nm] += drag_damping(system)
+    return np.asarray(np.einsum("mi,ij,mj->m", shapes, D, shapes))
 
 
 def slow_effect(system: System, h: Hydrodynamics) -> float:

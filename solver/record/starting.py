@@ -14,12 +14,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from solver.coupled.linear import linear_model
-from solver.coupled.moving import moving_model
 from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.record.decay import extended
-from solver.record.response import drag_damping, in_waves
+from solver.record.response import in_waves
+from solver.record.slow import radiating, unradiated
 from solver.statistics import FAINT
 
 LACKS = 0.05  # of a std: what is said
@@ -36,20 +35,14 @@ def from_rest(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     if not inside.any():
         return
     own, shapes = modes.omega[inside], modes.shapes[:, inside].T
-    model = linear_model(system) if h is None else moving_model(system, h)
-    damping, nm = model.damping.copy(), system.structure.omega.size
-    damping[:nm, :nm] += drag_damping(system)
-    B = np.einsum("mi,ij,mj->m", shapes, damping, shapes)
-    if h is not None:
-        moved = shapes @ model.active.T
-        B += np.einsum("mi,mij,mj->m", moved, extended(system, h, own).real, moved)
+    B = unradiated(system, h, shapes) + radiating(system, h, own, shapes)[1]
     lasts, since = np.maximum(B * s.duration, 1e-9), max(s.discard - s.ramp, 0.0)
     lacking = np.exp(-B * since) * -np.expm1(-lasts) / lasts
     if not np.any(lacking > LACKS):
         return
     size = np.abs(in_waves(system, h)[0]) ** 2
     total = size.sum(axis=0)
-    moves = model.length * np.sqrt(total)
+    moves = linear_model(system).length * np.sqrt(total)
     used = moves > FAINT * moves.max()
     near = np.abs(sea.omega - own[:, None]) <= WIDTHS * B[:, None]
     lost = lacking * np.max((near @ size)[:, used] / total[used], axis=1, initial=0.0)
