@@ -41,14 +41,14 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     return (0.0, 0.0) if h is None else (memory_effect(system, h), _mesh_effect(system, h))
 
 
-def memory_effect(system: System, h: Hydrodynamics) -> float:
-    """The first of `coefficient_effects`."""
+def memory_effect(system: System, h: Hydrodynamics, slow_share: float = 1.0) -> float:
+    """The first of `coefficient_effects`; slow_share: of a motion's variance, what is slower than the waves."""
     if system.fit is None:
         return 0.0
     if not system.scene.sea.amplitude.any():
         return decay.by_memory(system, h)
     misfit = _exact(system, h).change(h, system.fit.frequency(system.scene.sea.omega))
-    return max(misfit, slow_effect(system, h))
+    return max(misfit, slow_share * slow_effect(system, h))
 
 
 def _mesh_effect(system: System, h: Hydrodynamics) -> float:

@@ -23,7 +23,7 @@ from solver.multibody.minimal import move, pressures
 from solver.multibody.of_axes import taking
 from solver.power_takeoff import PtoTable
 from solver.record.channels import Channels
-from solver.record.effects import coefficient_effects, shapes_effect, together
+from solver.record.effects import coefficient_effects, memory_effect, shapes_effect, together
 from solver.record.elements import elements_effect
 from solver.record.recorder import Recorder
 from solver.record.sampling import at_ends, between_samples, expected_error, from_start, least_force, of_every_other
@@ -125,6 +125,14 @@ class Probe:
             self._errors = {**parts, "estimated_error": together(parts.values())}
             self.seconds += time.perf_counter() - clock
         return self._errors
+
+    def know(self, slow_share: float, hydrodynamics: Hydrodynamics | None) -> None:
+        """Take in how much of the record is slow, when it is over: before, `memory_effect` is as if all were."""
+        if slow_share < 1 and hydrodynamics is not None:
+            effect = memory_effect(self.system, hydrodynamics, slow_share)
+            parts = {**self.errors(hydrodynamics), "memory_effect": effect}
+            del parts["estimated_error"]
+            self._errors = {**parts, "estimated_error": together(parts.values())}
 
 
 def _judging(scene: Scene, system: System) -> Recorder:
