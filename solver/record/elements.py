@@ -1,7 +1,8 @@
 """What a frame's elements do to its motion and its forces, by the linear response of one with twice as many.
 
 Loads between nodes act in full on the nodes and, by `structure.influence`, on sections; what is left out is the motion
-within an element against its ends, and so that motion's inertia: of fourth order in the element's length.
+within an element against its ends, and so that motion's inertia: of fourth order in the element's length. Of tapered
+members each element has the section of its middle, which errs in second order, see `structure.fineness`.
 """
 
 from collections.abc import Iterator
@@ -19,6 +20,7 @@ from solver.record.response import carried, in_waves
 from solver.record.steel import Steel
 from solver.scene import Scene, Settings
 from solver.structure import modes as natural
+from solver.structure.fineness import by_taper
 
 FINE = 1e-5  # elements that leave out less of a mode's energy are not looked at again
 SMALL = 0.1  # of the largest std of its kind: what is less is not judged
@@ -38,7 +40,8 @@ def elements_effect(
     if scene.platform is None or support is None or fastest == 0.0:
         return 0.0
     still, moving = support.within
-    rough = float(still + moving * fastest**2)
+    taper = max((by_taper(member) for member in scene.platform.frame.members), default=0.0)
+    rough = float(still + moving * fastest**2 + taper)
     if rough < FINE:
         return rough
     system = prepare(scene, h) if system is None else system
@@ -50,7 +53,8 @@ def elements_effect(
     finer = prepare(replace(scene, platform=cut, settings=settings), h, system.fit)
     usual, exact = (np.array([*_of_modes(item), *_stds(item, h, settings)]) for item in (system, finer))
     used = (usual > 0) & (exact > 0)
-    return float(np.abs(usual[used] / exact[used] - 1).max(initial=0.0)) * 16 / 15
+    order = 2 if taper > 0 else 4
+    return float(np.abs(usual[used] / exact[used] - 1).max(initial=0.0)) / (1 - 0.5**order)
 
 
 def _of_modes(system: System) -> Iterator[float]:

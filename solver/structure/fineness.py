@@ -2,8 +2,9 @@
 
 An element clamped at both ends would move within by its own inertia, bending by mL⁴(1 + 5φ)/720EI of its ends'
 amplitude times ω² and stretching by mL²/12EA: the energy of that is the share of a motion's by which its ω² comes out
-too large. Soil holds it as -mω² does. The number goes by the member alone, not by the sea: tasks of a study then share
-heights.
+too large. Soil holds it as -mω² does. Of a tapered member each element has the section of its middle: where stiffness
+changes by the factor exp(d) along one, its mean flexibility is sinh(½d)/½d = 1 + d²/24 of that. The number goes by the
+member alone, not by the sea: tasks of a study then share heights.
 """
 
 from dataclasses import replace
@@ -37,6 +38,13 @@ def by_soil(member: Member, section: Section, L: float, stiffness: np.ndarray) -
     return max(across * _bending(member, section, L), float(stretched.max()) * L**2 / 12)
 
 
+def by_taper(member: Member) -> float:
+    """Of the worst quantity of its section, of each of its elements."""
+    sections = [member.section_at(share) for share in (0.0, 1.0)]
+    change = np.ptp(np.log([[s.area, s.Iy, s.Iz] for s in sections]), axis=0).max()
+    return float((change / member.elements) ** 2 / 24)
+
+
 def _bending(member: Member, section: Section, L: float) -> float:
     """L⁴(1 + 5φ)/720EI in the softer plane [m2/N]."""
     E = member.material.E
@@ -60,12 +68,11 @@ def _enough(frame: Frame, member: Member, density: float, gravity: float) -> int
     soil = frame.soil.points(ends) if frame.soil is not None else ()
     stiffness = np.max([np.zeros(3), *(there for _, _, there in soil)], axis=0)
     sections = [member.section_at(share) for share in (0.0, 1.0)]
-    tapering = np.ptp(np.log([[s.area, s.Iy, s.Iz] for s in sections]), axis=0).max()
     elements = FEWEST
     while (
         elements < MOST
         and max(
-            (tapering / elements) ** 2 / 24,
+            by_taper(replace(member, elements=elements)),
             *(_left_out(member, section, L / elements, density, gravity, stiffness) for section in sections),
         )
         > LEFT_OUT

@@ -11,7 +11,7 @@ from solver.record import elements
 from solver.run import simulate
 from solver.statistics import STATISTICS
 from solver.structure.frame_model import assemble
-from tests.awkward import bare_legs, on_piles, raking, tripod, unequal_legs
+from tests.awkward import bare_legs, on_piles, raking, tripod, tube, unequal_legs
 
 STD = STATISTICS.index("std")
 JUDGED = ("top_displacement", "bottom_stress", "base_shear", "overturning_moment")
@@ -35,6 +35,22 @@ def test_records_tell_what_their_elements_do(made, count):
     told = few.attrs["elements_effect"]
     assert 1 / 3 < true / told < 3
     assert few.attrs["estimated_error"] >= told > 1e-4 > many.attrs["elements_effect"]
+
+
+@pytest.mark.parametrize("count", [2, 8])
+def test_records_tell_what_sections_of_the_middle_do(count):
+    """Of a tripod of cones, within the same factors."""
+    records = []
+    for n in (count, 96):
+        item, h = unequal_legs()
+        item = cut(item, n)
+        frame = item.platform.frame
+        cones = tuple(replace(m, end_section=tube(0.35, 0.012)) if m.name in "abc" else m for m in frame.members)
+        cone = replace(item.platform, frame=replace(frame, members=cones))
+        records.append(simulate(replace(item, platform=cone), h))
+    few, many = ([record.variables[name][1][..., STD] for name in JUDGED] for record in records)
+    true = max(np.max(np.abs(a - b)[b > 0.1 * b.max()] / b[b > 0.1 * b.max()]) for a, b in zip(few, many, strict=True))
+    assert 1 / 3 < true / records[0].attrs["elements_effect"] < 3
 
 
 def test_a_march_tells_the_same():
