@@ -32,7 +32,7 @@ from solver.record.channels import Labelled, Record, bound
 from solver.record.effects import left_out_effect, response_error, together
 from solver.record.elements import elements_effect
 from solver.record.probe import UNTOLD, knows_finer, with_tables
-from solver.record.spectra import bands, cross_spectra, crossings, moments
+from solver.record.spectra import bands, crossings, moments
 from solver.scene import Scene, require_waves
 from solver.statistics import STATISTICS
 
@@ -107,10 +107,8 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     spectra = None
     if scene.settings.spectra:
         at = bands(scene.sea.omega, scene.settings.duration)
-        wave = scene.sea.amplitude[case.met]
-        parts = {name: (lines[:waves].reshape(waves, -1), lines.shape[1:]) for name, _, lines in linear}
-        of = {name: (cross_spectra(case.waves, wave, lines, at), shape) for name, (lines, shape) in parts.items()}
-        spectra = channels.spectra(at, of)
+        parts = ((name, lines[:waves]) for name, _, lines in linear)
+        spectra = channels.spectra(at, case.waves, scene.sea.amplitude[case.met], parts)
     drifting: dict[str, Labelled] = {}
     if "drift" in scene.settings.outputs:
         drifting, figures = drift.variables(case, response, law)

@@ -1,6 +1,6 @@
 """What is put out of a scene, by which names and labels."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -15,9 +15,10 @@ from solver.multibody.of_axes import borne_at_most, pto_bounds, working_rates
 from solver.power_takeoff import PtoEfficiency
 from solver.record import steel
 from solver.record.bound import wave_power
-from solver.record.spectra import MOMENTS, Bands, Response
+from solver.record.spectra import MOMENTS, Bands, cross_spectra
 from solver.record.steel import Steel
 from solver.scene import Scene
+from solver.sea.dispersion import wavenumbers
 from solver.statistics import STATISTICS
 from solver.structure.legs import compressive
 
@@ -189,10 +190,47 @@ class Channels:
         kept = {name: (("time", *DIMS.get(name, ())), values) for name, values in (series or {}).items()}
         return Record(variables=variables, coords=coords, attrs=attrs, series=kept)
 
-    def spectra(self, at: Bands, responses: Mapping[str, tuple[Response, tuple[int, ...]]]) -> dict[str, Labelled]:
-        """Variables of each output's response (nf, m) and its own shape, of m numbers in all."""
+    def ahead(self, name: str) -> np.ndarray:
+        """How far along the waves each is whose output this is (n,), or what carries the whole, that of one [m]."""
+        heading = self.scene.sea.heading
+        places = np.reshape(list(self._places((*DIMS[name], "")[0])), (-1, 3))
+        return places @ np.array([np.cos(heading), np.sin(heading), 0.0])
+
+    def _places(self, dim: str) -> Iterable[np.ndarray | Sequence[float]]:
+        """Of what a dimension counts (n, 3) [m], or one of the whole."""
+        floats, platform = self.scene.floats, self.scene.platform
+        if dim == "float":
+            return (f.centre for f in floats)
+        if dim == "line":
+            return (f.centre for f in floats for _ in f.lines)
+        if not dim or platform is None:  # the waves themselves
+            return [(0.0, 0.0, 0.0)]
+        frame, members = platform.frame, {m.name: m for m in platform.frame.members}
+        if dim == "node":
+            return (frame.nodes[node] for node in self.nodes)
+        assert self.steel is not None, "asked of what a frame puts out"
+        of = self.steel.places
+        named = {"leg": platform.legs, "member": of.members, "tube": of.checked}
+        if dim in named:
+            return (frame.ends(members[member]).mean(axis=0) for member in named[dim])
+        return of.foot if dim == "foot" else [of.foot.mean(axis=0)]
+
+    def spectra(
+        self, at: Bands, omega: np.ndarray, wave: np.ndarray, outputs: Iterable[tuple[str, np.ndarray]]
+    ) -> dict[str, Labelled]:
+        """Variables of the response of each output's lines (n, …) to the wave's (n,) at omega (n,)."""
         out: dict[str, Labelled] = {"band_frequency": (("frequency_band",), at.omega)}
-        for name, (response, shape) in responses.items():
+        water = self.scene.water
+        for name, lines in outputs:
+            shape, flat = lines.shape[1:], lines.reshape(len(lines), -1)
+            ahead = self.ahead(name)
+            each = np.repeat(ahead, flat.shape[1] // max(len(ahead), 1))
+
+            def later(omega: np.ndarray, each: np.ndarray = each) -> np.ndarray:
+                k = wavenumbers(omega, water.depth, water.gravity)
+                return np.exp(1j * np.outer(k, each))
+
+            response = cross_spectra(omega, wave, flat, at, later)
             parts = {"spectrum": response.density}
             if name != ELEVATION:
                 H = response.transfer

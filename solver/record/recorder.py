@@ -17,7 +17,7 @@ from solver.record.corners import ends_of, missed
 from solver.record.fatigue import crossing_rate
 from solver.record.sampling import Cuts
 from solver.record.settling import Settling
-from solver.record.spectra import Harmonics, all_lines, bands, cross_spectra, lines_of, moments
+from solver.record.spectra import Harmonics, all_lines, bands, lines_of, moments
 from solver.scene import Scene
 from solver.statistics import STATISTICS, Statistics
 from solver.structure.legs import Largest, compressive
@@ -339,11 +339,9 @@ class Recorder:
         samples = self.samples()
         step = float(np.diff(samples.pop("time")[:2])[0])
         omega, wave = lines_of(samples[ELEVATION][:, None], step, self.bands)
-        responses = {}
-        for name, values in samples.items():
-            lines = lines_of(values.reshape(len(values), -1), step, self.bands)[1]
-            responses[name] = cross_spectra(omega, wave[:, 0], lines, self.bands), values.shape[1:]
-        return self.channels.spectra(self.bands, responses)
+        flat = ((name, values.reshape(len(values), -1), values.shape[1:]) for name, values in samples.items())
+        lines = ((name, lines_of(x, step, self.bands)[1].reshape(-1, *shape)) for name, x, shape in flat)
+        return self.channels.spectra(self.bands, omega, wave[:, 0], lines)
 
     def _moments(self) -> dict[str, Labelled]:
         """Of all channels, by what crosses their means and by their samples' spectra, which sum up to their variance.

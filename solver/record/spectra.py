@@ -1,5 +1,6 @@
 """Spectra and response amplitude operators from time records, and from lines of a linear model."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,9 @@ BANDS = 60  # frequencies at which spectra are put out
 MOMENTS = (0, 1, 2, 4)  # orders of spectral moments that are put out
 LEAST = 4.0  # of the record's own resolution, 2π/T: a band's width at least
 REACH = 5.0  # widths within which a band sees a line
+
+
+Delay = Callable[[np.ndarray], np.ndarray]
 
 
 class Bands(NamedTuple):
@@ -33,16 +37,22 @@ def bands(omega: np.ndarray, duration: float) -> Bands:
     return Bands(np.linspace(low, high, count), max((high - low) / BANDS, LEAST * 2 * np.pi / duration))
 
 
-def cross_spectra(omega: np.ndarray, wave: np.ndarray, lines: np.ndarray, at: Bands) -> Response:
+def cross_spectra(
+    omega: np.ndarray, wave: np.ndarray, lines: np.ndarray, at: Bands, later: Delay | None = None
+) -> Response:
     """H = S_xy/S_xx (Heo et al. 2022, eq. 22), γ² = |S_xy|²/(S_xx S_yy) and S_yy, of lines at omega (n,).
 
-    wave x (n,) and outputs y (n, m): amplitudes in Re Σ X exp(-iωt). Spectra are means over the bands, ½ Σ g X* Y.
+    wave x (n,) and outputs y (n, m): amplitudes in Re Σ X exp(-iωt). Spectra are means over the bands, ½ Σ g X* Y: of
+    what is far off along the waves the phase, which turns within a band, is taken out before and put in again at the
+    band's middle; later: the waves' exp(ikx) at each (n, m), for any frequencies (n,).
     """
     g = np.exp(-0.5 * ((at.omega[:, None] - omega) / at.width) ** 2) / (at.width * np.sqrt(2 * np.pi))
     x = wave[:, None]
-    xx, xy, yy = (0.5 * g @ product for product in (np.abs(x) ** 2, x.conj() * lines, np.abs(lines) ** 2))
+    here = lines if later is None else lines * later(omega).conj()
+    xx, xy, yy = (0.5 * g @ product for product in (np.abs(x) ** 2, x.conj() * here, np.abs(lines) ** 2))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Response(xy / xx, np.abs(xy) ** 2 / (xx * yy), yy)
+        H = xy / xx
+        return Response(H if later is None else H * later(at.omega), np.abs(xy) ** 2 / (xx * yy), yy)
 
 
 def lines_of(record: np.ndarray, step: float, at: Bands) -> tuple[np.ndarray, np.ndarray]:

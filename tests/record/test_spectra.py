@@ -1,8 +1,12 @@
 """Harmonic analysis against signals whose content is known."""
 
+from dataclasses import replace
+
 import numpy as np
 from pytest import approx
 
+from solver.coupled.preparation import prepare
+from solver.record.channels import DIMS, Channels
 from solver.record.spectra import (
     BANDS,
     Harmonics,
@@ -13,8 +17,15 @@ from solver.record.spectra import (
     smoothed_density,
     transfer,
 )
+from solver.run import simulate
+from solver.scene import Settings
+from solver.sea.dispersion import wavenumber
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
+from tests.awkward import bare_legs, unequal_legs
+
+LINEAR = {"method": "frequency", "froude_krylov": "linear"}
+OUTPUTS = "reactions", "section_forces", "fibre_stress", "member_stress"
 
 SEA = realize(PiersonMoskowitz(Hs=2.0, Tp=6.0), components=60, band=(0.5, 3.0), seed=3)
 TIME = np.arange(0, 2400, 0.2)
@@ -76,3 +87,37 @@ def test_bands_of_a_single_wave():
     one = cross_spectra(np.array([1.5]), np.array([0.5j]), np.array([[1.0 + 0j, 0.0]]), at)
     assert one.transfer[0, 0] == approx(-2j) and one.coherence[0, 0] == approx(1.0)
     assert np.isnan(one.coherence[0, 1]) and one.density[0, 1] == 0
+
+
+def test_the_waves_way_to_what_is_far_is_in_no_band():
+    """A frame 200 m down the waves, at 30 degrees, answers as it does at the origin, only later."""
+    here = replace(bare_legs()[0], settings=Settings(**LINEAR, duration=900.0, spectra=True, outputs=OUTPUTS))
+    frame = here.platform.frame
+    shift = 200.0 * np.array([np.cos(here.sea.heading), np.sin(here.sea.heading), 0.0])
+    nodes = {name: tuple(np.add(place, shift)) for name, place in frame.nodes.items()}
+    there = replace(here, platform=replace(here.platform, frame=replace(frame, nodes=nodes)))
+    near, far = (simulate(item).variables for item in (here, there))
+    names = [name for name in near if name.endswith("_coherence")]
+    assert len(names) > 6
+    for name in names:
+        response = [v[name.replace("coherence", "response")][1] for v in (near, far)]
+        some = response[0] > 1e-3 * response[0].max()
+        assert far[name][1][some] == approx(near[name][1][some], abs=2e-3)
+        assert response[1][some] == approx(response[0][some], rel=5e-3)
+    k = wavenumber(near["band_frequency"][1], here.water.depth, here.water.gravity)
+    turn = np.subtract(*(v["top_displacement_response_phase"][1][0, 0] for v in (far, near)))
+    assert np.exp(1j * turn) == approx(np.exp(200j * k), abs=5e-3)
+
+
+def test_everything_has_its_place_along_the_waves():
+    """Floats and their lines, legs, members, feet and nodes, and of the whole the middle of its feet."""
+    whole = unequal_legs()[0]
+    asked = replace(whole.settings, outputs=(*OUTPUTS, "accelerations"))
+    item = replace(whole, settings=asked)
+    channels = Channels(item, prepare(item, unequal_legs()[1]).support)
+    assert all(channels.ahead(name).ndim == 1 for name in DIMS)
+    waves = np.array([np.cos(np.pi / 6), 0.5])
+    assert channels.ahead("motion") == approx([whole.floats[0].centre[:2] @ waves])
+    assert channels.ahead("bottom_stress")[0] == approx(np.array([-2.0, -1.35]) @ waves)  # from (-4, -3) to (0, 0.3)
+    assert channels.ahead("base_shear") == approx([np.array([-2 / 3, 1 / 3]) @ waves])
+    assert channels.ahead("wave_elevation") == approx([0.0])
