@@ -9,7 +9,7 @@ A small σ makes the resonances of what hardly dies wide enough to be summed, wh
 Y + iσ Y', for coefficients change slowly.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -41,6 +41,9 @@ def spectrum(system: System, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
     return (start - model.response(omega, Y, pushed)) / (-1j * omega[:, None])
 
 
+Transfer = Callable[[np.ndarray], np.ndarray]  # Y (nw, na, na) of a memory, at any ω (nw,)
+
+
 class _Decay(NamedTuple):
     """Of n coordinates and nb floats, at nt times of the record."""
 
@@ -68,12 +71,12 @@ def offsets(system: System) -> np.ndarray:
     return start
 
 
-def by_memory(system: System, h: Hydrodynamics) -> float:
+def by_memory(system: System, h: Hydrodynamics, transfer: Transfer) -> float:
     """What the memory's misfit changes of any mean or std of a decay, relative to that std, and of mean power."""
-    if system.fit is None or not offsets(system).any():
+    if not offsets(system).any():
         return 0.0
     exact, span = _exact(system, h)
-    return _changed(system, exact, _decay(system, span, system.fit.frequency(span.omega)))
+    return _changed(system, exact, _decay(system, span, transfer(span.omega)))
 
 
 def by_mesh(system: System, h: Hydrodynamics) -> float:

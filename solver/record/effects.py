@@ -41,14 +41,20 @@ def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float,
     return (0.0, 0.0) if h is None else (memory_effect(system, h), _mesh_effect(system, h))
 
 
-def memory_effect(system: System, h: Hydrodynamics, slow_share: float = 1.0) -> float:
-    """The first of `coefficient_effects`; slow_share: of a motion's variance, what is slower than the waves."""
-    if system.fit is None:
+def memory_effect(
+    system: System, h: Hydrodynamics, slow_share: float = 1.0, transfer: decay.Transfer | None = None
+) -> float:
+    """The first of `coefficient_effects`; slow_share: of a motion's variance, what is slower than the waves.
+
+    transfer: Y of the memory where that is not the system's fit, about the same added mass.
+    """
+    transfer = system.fit.frequency if transfer is None and system.fit is not None else transfer
+    if transfer is None:
         return 0.0
     if not system.scene.sea.amplitude.any():
-        return decay.by_memory(system, h)
-    misfit = _exact(system, h).change(h, system.fit.frequency(system.scene.sea.omega))
-    return max(misfit, slow_share * slow_effect(system, h))
+        return decay.by_memory(system, h, transfer)
+    misfit = _exact(system, h).change(h, transfer(system.scene.sea.omega))
+    return max(misfit, slow_share * slow_effect(system, h, transfer))
 
 
 def _mesh_effect(system: System, h: Hydrodynamics) -> float:

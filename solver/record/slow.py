@@ -27,7 +27,7 @@ from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import of_axes
-from solver.record.decay import extended
+from solver.record.decay import Transfer, extended
 from solver.record.response import drag_damping
 from solver.statistics import FAINT, STATISTICS, Statistics
 
@@ -88,12 +88,13 @@ def unradiated(system: System, h: Hydrodynamics | None, shapes: np.ndarray) -> n
     return np.asarray(np.einsum("mi,ij,mj->m", shapes, D, shapes))
 
 
-def slow_effect(system: System, h: Hydrodynamics) -> float:
-    """The largest relative change of such a shape's std by the memory's misfit."""
+def slow_effect(system: System, h: Hydrodynamics, transfer: Transfer | None = None) -> float:
+    """The largest relative change of such a shape's std by the memory's misfit, the fit's or another's."""
     shapes = slow(system, h)
-    if system.fit is None or not shapes.omega.size:
+    transfer = system.fit.frequency if transfer is None and system.fit is not None else transfer
+    if transfer is None or not shapes.omega.size:
         return 0.0
-    misfit = _of(system.fit.frequency(shapes.omega) - extended(system, h, shapes.omega), shapes.moved)
+    misfit = _of(transfer(shapes.omega) - extended(system, h, shapes.omega), shapes.moved)
     damped, shifted = _in_record(system, shapes)
     return float(np.max(np.hypot(damped * misfit.real, shifted * misfit.imag)))
 

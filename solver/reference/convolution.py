@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.hydrodynamics.radiation.memory import retardation
+from solver.hydrodynamics.radiation.memory import retardation, transfer
 
 GAUSS = 8  # points a step: exact to rounding where a step is sane for K,
 FRESH, DENSE = 4, 32  # but fitted kernels may have a fast, short-lived part: in the last steps so many
@@ -46,6 +46,10 @@ class CosineTransform:
     def impulse(self, t: np.ndarray) -> np.ndarray:
         """K (nt, n, n) at times t >= 0 (nt,) [s]."""
         return retardation(self.omega, self.radiation_damping, t)
+
+    def frequency(self, omega: np.ndarray) -> np.ndarray:
+        """Y(ω) = B - iω(A - A∞) of it (nw, n, n)."""
+        return transfer(self.omega, self.radiation_damping, omega)
 
 
 class Convolution:

@@ -31,7 +31,7 @@ from solver.record.audit import doubts, unmet
 from solver.record.bound import above
 from solver.record.channels import Record
 from solver.record.decay import died
-from solver.record.effects import coefficient_effects, shapes_effect, together
+from solver.record.effects import coefficient_effects, memory_effect, shapes_effect, together
 from solver.record.elements import elements_effect
 from solver.record.probe import PROBE, probed, statistics_error
 from solver.record.recorder import Recorder
@@ -342,9 +342,14 @@ def _errors(
         finer.add(times[every], output.thinned(), waves[every])
     step = statistics_error(case.system, probe.scene, expected_error, probe.samples(), finer.samples())
     memory, mesh = coefficient_effects(case.system, h)
+    if s.memory == "convolution" and s.radiation and h is not None:
+        kernel, apart = CosineTransform.of(h), h.added_mass_inf - case.system.bodies.added_mass
+        memory = memory_effect(
+            case.system, h, transfer=lambda w: kernel.frequency(w) - 1j * np.multiply.outer(w, apart)
+        )
     parts = {
         "discretization_error": step / (1 - 0.5**order),
-        "memory_effect": 0.0 if s.memory == "convolution" else memory,
+        "memory_effect": memory,
         "mesh_effect": mesh,
         "shapes_effect": shapes_effect(case.system, h),
         "elements_effect": elements_effect(case.scene, h, case.system.support, case.system),

@@ -15,7 +15,7 @@ from solver.reference.loads import held
 from solver.reference.run import simulate_reference
 from solver.run import simulate
 from solver.scene import EndStops, Float, Platform, Scene, Settings, Water
-from solver.sea.realization import CALM, realize
+from solver.sea.realization import CALM, realize, regular
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.frame import Frame
 from solver.structure.members import Material, Member, PointMass
@@ -241,6 +241,22 @@ def test_accuracy_reference_turns_every_approximation_off(coefficients):
     assert all(record.variables[n][1].shape == standard.variables[n][1].shape for n in record.variables)
     assert record.attrs["surface"] == "panels" and record.attrs["modes"] == "all"
     assert record.attrs["discretization_error"] > 0 and record.attrs["constraint_drift"] <= 1e-10
+
+
+def test_convolution_tells_what_damping_of_few_frequencies_asks_for(coefficients):
+    """Added mass other than theirs: against the response to one wave by what they say."""
+    some = np.arange(coefficients.omega.size) % 3 == 1
+    names = ("omega", "added_mass", "radiation_damping", "diffraction", "froude_krylov")
+    few = replace(coefficients, error=None, **{name: getattr(coefficients, name)[some] for name in names})
+    items, period = floats(pto_damping=1e4), 2 * np.pi / 2.2
+    given = scene(items=items, duration=4 * period, memory="convolution", froude_krylov="linear")
+    wave = replace(given, sea=regular(height=0.05, period=period))
+    settings = replace(wave.settings, discard=20.0, time_step=period / 20, keep_series=False)
+    slow = simulate(replace(wave, settings=settings), few)
+    lines = simulate(replace(wave, settings=replace(settings, method="frequency", memory="state-space")), few)
+    std = [record.variables["rotation"][1][..., 4] for record in (slow, lines)]
+    told, true = slow.attrs["memory_effect"], np.abs((std[0] / std[1]) ** 2 - 1).max()  # of power
+    assert told > 0.01 and true / 2 < told < 2 * true
 
 
 @pytest.mark.parametrize("path", [{"memory": "convolution"}, {"surface": "panels"}, {"formulation": "augmented"}])

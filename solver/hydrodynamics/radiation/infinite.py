@@ -123,7 +123,7 @@ def _band(omega: np.ndarray, A: np.ndarray, B: np.ndarray, above: float = 0.0, p
     at = (inner[1:] + inner[:-1]) / 2
     low, high = omega[0] + np.multiply((above, WITHIN), omega[-1] - omega[0])
     at = at[(at >= low) & (at <= high)]
-    weights = 2 / np.pi * _principal(np.concatenate([inner, outer]), at)
+    weights = 2 / np.pi * principal(np.concatenate([inner, outer]), at)
     near, far = weights[:, :NODES], weights[:, NODES:]
     return _Band(
         at[:, None] / omega[-1],
@@ -134,7 +134,7 @@ def _band(omega: np.ndarray, A: np.ndarray, B: np.ndarray, above: float = 0.0, p
     )
 
 
-def _principal(s: np.ndarray, at: np.ndarray) -> np.ndarray:
+def principal(s: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Weights (len(at), len(s)) of nodal values in ⨍ f(s)/(s² - ω²) ds, f straight between nodes s, ω = at."""
     w = at[:, None]
     plain = np.diff(np.log(np.abs((s - w) / (s + w))), axis=1) / (2 * w)  # ∫ ds/(s² - ω²) over each piece

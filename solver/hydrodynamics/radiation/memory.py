@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from solver.hydrodynamics.radiation.infinite import principal
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RadiationMemory:
@@ -38,6 +40,33 @@ def retardation(omega: np.ndarray, radiation_damping: np.ndarray, t: np.ndarray)
     B is a spline from B(0) = 0 through the samples and goes on as a power of ω, as its last quarter
     falls off, ω^-2 at least. Then, linear between 4,000 close points, each piece is exact.
     """
+    x, y = _continued(omega, radiation_damping)
+    slope = np.diff(y, axis=0) / np.diff(x)[:, None]
+    # A linear piece integrates to [y sin(xt)/t] + slope [cos(xt)]/t²; the first bracket telescopes.
+    values = np.empty((len(t), y.shape[1]))
+    for i, at in enumerate(np.asarray(t, float)):
+        if at == 0:
+            values[i] = np.trapezoid(y, x, axis=0)
+        else:
+            values[i] = y[-1] * np.sin(x[-1] * at) / at + np.diff(np.cos(x * at)) @ slope / at**2
+    return 2 / np.pi * values.reshape(len(t), *radiation_damping.shape[1:])
+
+
+def transfer(omega: np.ndarray, radiation_damping: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Y = B - iω(A - A∞) of that K at ω (nt,), (nt, ...): as damping between those told (nw, ...) asks for added mass.
+
+    Below the first of the close points as there.
+    """
+    x, y = _continued(omega, radiation_damping)
+    w = np.clip(at, x[1] / 2, None)
+    w = np.where(np.isin(w, x), w * (1 + 1e-9), w)  # at a node two logarithms take each other back
+    B = np.stack([np.interp(at, x, entry) for entry in y.T], axis=1)
+    added = np.concatenate([2 / np.pi * principal(x, some) @ y for some in np.array_split(w, len(w) // 1000 + 1)])
+    return (B - 1j * at[:, None] * added).reshape(len(at), *radiation_damping.shape[1:])
+
+
+def _continued(omega: np.ndarray, radiation_damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Close points (m,) and B there, entry by entry (m, n)."""
     flat = radiation_damping.reshape(len(omega), -1)
     inner = np.linspace(0, omega[-1], 4001)
     spline = CubicSpline(np.concatenate([[0.0], omega]), np.vstack([0 * flat[:1], flat]))
@@ -45,14 +74,4 @@ def retardation(omega: np.ndarray, radiation_damping: np.ndarray, t: np.ndarray)
     fall = np.log(np.maximum(np.abs(flat[quarter]), 1e-300) / np.maximum(np.abs(flat[-1]), 1e-300))
     power = np.clip(fall / np.log(omega[-1] / omega[quarter]), 2.0, 12.0)
     outer = omega[-1] * np.geomspace(1, 1e3, 2001)[1:]
-    x = np.concatenate([inner, outer])
-    y = np.vstack([spline(inner), flat[-1] * (omega[-1] / outer[:, None]) ** power])
-    slope = np.diff(y, axis=0) / np.diff(x)[:, None]
-    # A linear piece integrates to [y sin(xt)/t] + slope [cos(xt)]/t²; the first bracket telescopes.
-    values = np.empty((len(t), flat.shape[1]))
-    for i, at in enumerate(np.asarray(t, float)):
-        if at == 0:
-            values[i] = np.trapezoid(y, x, axis=0)
-        else:
-            values[i] = y[-1] * np.sin(x[-1] * at) / at + np.diff(np.cos(x * at)) @ slope / at**2
-    return 2 / np.pi * values.reshape(len(t), *radiation_damping.shape[1:])
+    return np.concatenate([inner, outer]), np.vstack([spline(inner), flat[-1] * (omega[-1] / outer[:, None]) ** power])

@@ -11,7 +11,7 @@ from scipy.integrate import quad_vec
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation import passivity, rational
 from solver.hydrodynamics.radiation.fitting import fit, samples
-from solver.hydrodynamics.radiation.memory import RadiationMemory, retardation
+from solver.hydrodynamics.radiation.memory import RadiationMemory, retardation, transfer
 from solver.hydrodynamics.radiation.passivity import Constraint, enforce
 from solver.hydrodynamics.radiation.rational import (
     basis,
@@ -282,6 +282,14 @@ def test_retardation_carries_the_tail(power, end, kernel):
     numeric, exact = retardation(omega, omega**2 / (1 + omega**2) ** power, t), kernel(t)
     # What is left is how far the last quarter of the grid is from a pure power: a thirtieth of the tail, a tenth.
     assert numeric == pytest.approx(exact, abs={2: 1e-3, 3: 3e-4}[power] * exact[0])
+
+
+def test_the_transfer_of_a_kernel_by_damping_alone():
+    """K = (1 - t) exp(-t)/2 of B = ω²/(1 + ω²)²: Y = -½iω/(1 - iω)²; between, at and below the close points."""
+    omega = np.linspace(0.1, 60, 600)
+    at = np.array([1e-3, 0.3, 1.0, 60 * 40 / 4000, 2.7, 8.0])
+    exact = -0.5j * at / (1 - 1j * at) ** 2
+    assert transfer(omega, omega**2 / (1 + omega**2) ** 2, at) == pytest.approx(exact, abs=1e-3 * np.abs(exact).max())
 
 
 def test_a_motion_that_radiates_nothing_has_no_memory():
