@@ -18,7 +18,6 @@ which changes the std by ½ Im m (TB)^-½/B, and by Im m T/360^½ (rms).
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import butter, sosfilt, sosfilt_zi
 from scipy.special import gammainc
 
 from solver.coupled.linear import linear_model
@@ -29,10 +28,10 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import of_axes
 from solver.record.decay import Transfer, extended
 from solver.record.response import drag_damping
-from solver.statistics import FAINT, STATISTICS, Statistics
+from solver.record.spectra import all_lines
+from solver.statistics import FAINT
 
 LIGHTLY = 0.3  # of critical: what is damped by more has no resonance
-ORDER = 4  # of the filter that parts slow motions from waves
 INSTANTS = 500  # of a record, over which is summed
 
 
@@ -100,43 +99,33 @@ def slow_effect(system: System, h: Hydrodynamics, transfer: Transfer | None = No
 
 
 class SlowShare:
-    """How much of a record's motions is slower than its waves: what passes a low-pass filter (Butterworth)."""
+    """How much of a record's motions is slower than its waves."""
 
     def __init__(self, system: System, h: Hydrodynamics | None):
-        """Nothing is filtered where the memory knows of no such motion, and nothing told: 1."""
-        s, sea, model = system.scene.settings, system.scene.sea, linear_model(system)
-        self.inside = s.discard, s.discard + s.duration
-        self.modes, self.length = system.structure.omega.size, model.length
+        """Nothing is taken in where the memory knows of no such motion, and nothing told: 1."""
+        s, sea = system.scene.settings, system.scene.sea
+        self.inside, self.step = (s.discard, s.discard + s.duration), system.dt / 2
+        self.modes, self.length = system.structure.omega.size, linear_model(system).length
         own = slow(system, h).omega if h is not None and system.fit is not None else np.zeros(0)
-        self.filter = None
-        if own.size:
-            least = sea.omega[sea.amplitude != 0].min()
-            self.filter = butter(ORDER, least, fs=2 * np.pi / (system.dt / 2), output="sos")
-        self.state: np.ndarray | None = None
-        self.slow, self.all = Statistics(), Statistics()
+        self.least = sea.omega[sea.amplitude != 0].min() if own.size else 0.0
+        self.motions: list[np.ndarray] = []
 
     def add(self, times: np.ndarray, p: np.ndarray, z: np.ndarray) -> None:
-        """Take in a block of modes p (m, nm) and of carriers and joints z (m, nz), from the start on."""
-        if self.filter is None:
-            return
-        joints = len(self.length) - self.modes
-        x = np.concatenate([p[:, : self.modes], z[:, z.shape[1] - joints :]], axis=1)
-        if self.state is None:
-            self.state = sosfilt_zi(self.filter)[..., None] * x[0]
-        passed, self.state = sosfilt(self.filter, x, axis=0, zi=self.state)
-        kept = (times > self.inside[0]) & (times <= self.inside[1])
-        self.slow.add(passed[kept])
-        self.all.add(x[kept])
+        """Take in a block of modes p (m, nm) and of carriers and joints z (m, nz)."""
+        if self.least > 0:
+            kept, joints = (times > self.inside[0]) & (times <= self.inside[1]), len(self.length) - self.modes
+            self.motions.append(np.concatenate([p[:, : self.modes], z[:, z.shape[1] - joints :]], axis=1)[kept])
 
     @property
     def value(self) -> float:
         """Of the variance of the coordinate in which it is most."""
-        if not self.all.count:
+        if not self.motions:
             return 1.0
-        part, whole = (of.table()[:, STATISTICS.index("std")] for of in (self.slow, self.all))
-        moves = self.length * whole
-        used = moves > FAINT * moves.max()
-        return float(np.minimum(1.0, np.max((part[used] / whole[used]) ** 2, initial=0.0)))
+        omega, lines = all_lines(np.concatenate(self.motions), self.step)
+        power = np.abs(lines) ** 2
+        whole, part = power.sum(axis=0), power[omega < self.least].sum(axis=0)
+        used = self.length**2 * whole > FAINT**2 * np.max(self.length**2 * whole)
+        return float(np.max(part[used] / whole[used], initial=0.0))
 
 
 def slow_importance(system: System, h: Hydrodynamics) -> np.ndarray:
