@@ -214,6 +214,17 @@ def test_what_a_change_of_damping_does_is_what_the_linear_model_has_of_a_flat_dr
     assert counts[used[0], 0, 0] * more[0, 0] == approx(small / 2, rel=0.01)  # the start is in the record
 
 
+def test_what_shifts_a_resonance_changes_its_std_in_a_record_of_some_length():
+    item, h = buoy()
+    system = prepare(item, h)
+    shapes, s = slow(system, h), item.settings
+    small = 1e-3 * shapes.damping[0]
+    off = np.zeros((3, 3), complex)
+    off[0, 0] = 1j * small / shapes.moved[0, 0] ** 2
+    shifted = changes(shapes.damping, s.discard, s.discard + s.duration)[1][0]
+    assert slow_effect(system, h, lambda w: extended(system, h, w) + off) == approx(shifted * small, rel=1e-6)
+
+
 def test_the_lowest_frequency_solved_counts_for_what_is_below_it():
     item, h = barge()
     system = prepare(item, h)
