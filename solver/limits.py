@@ -8,7 +8,7 @@ from solver import motions
 from solver.mooring import line_stiffness
 from solver.multibody.bodies import Bodies
 from solver.multibody.chain import PRISMATIC
-from solver.scene import DOFS, FALLEN_OVER, Float, Platform, Scene, turning_bounds
+from solver.scene import DOFS, FALLEN_OVER, Float, Platform, Scene, falls_at, turning_bounds, uprights
 from solver.sea.field import WaveField
 
 # Of the sum of amplitudes, by which the local wave field may be off at the ends of the excursion; a record's
@@ -25,9 +25,29 @@ def excursions(scene: Scene, field: WaveField, terms: Sequence[int], carrier_axe
         size = _extent(scene.platform)
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
-    for item, away in zip(scene.floats, slidings(scene, field, ways(scene, field, terms)), strict=True):
-        bounds += [(-away, away) if slides(name) else turning_bounds(item, name) for name in item.motion]
+    far = ways(scene, field, terms)
+    for item, away, way in zip(scene.floats, slidings(scene, field, far), far, strict=True):
+        for name in item.motion:
+            most = away if slides(name) else _turnable(scene, item, name, way)
+            low, high = (-np.inf, np.inf) if slides(name) else turning_bounds(item, name)
+            bounds.append((max(low, -most), min(high, most)))
     return np.array(bounds, float).reshape(-1, 2)
+
+
+def _turnable(scene: Scene, item: Float, name: str, way: float) -> float:
+    """How far a float may turn about an axis by which it does not fall over [rad].
+
+    Half a turn where pressure is linear and other axes tilt floats: it goes by the vector of the rotation, which is
+    none for more. Else until that takes it `way` [m] off, out of its local wave field.
+    """
+    axis = item.direction(name)
+    if np.isfinite(falls_at(axis)):
+        return np.inf
+    if np.isinf(way):
+        tilts = any(np.any(f.directions[f.turns, :2]) for f in scene.floats)
+        return np.pi if tilts and not all(scene.nonlinear) else np.inf
+    across = 2 * float(np.linalg.norm(np.cross(axis, item.arm)))
+    return np.inf if across <= way else max(FALLEN_OVER, 2 * float(np.arcsin(way / across)))
 
 
 def ways(scene: Scene, field: WaveField, terms: Sequence[int]) -> list[float]:
@@ -140,16 +160,45 @@ def slides(name: str) -> bool:
     return name in DOFS[:3]
 
 
+def beyond(scene: Scene, joints: np.ndarray, bounds: np.ndarray) -> tuple[int, Float, str] | None:
+    """Number, float and axis of the first of joints (nj,) that is beyond its bounds, the last of bounds (nz, 2)."""
+    axes = [(f, axis) for f in scene.floats for axis in f.motion]
+    low, high = bounds[len(bounds) - len(axes) :].T
+    past = np.flatnonzero(~((low < joints) & (joints < high)))
+    return (int(past[0]), *axes[past[0]]) if past.size else None
+
+
+def overturned(scene: Scene, joints: np.ndarray) -> str:
+    """The first float whose own vertical points down with all joints (nj,) where they are, and these; "" if none."""
+    for f, up in zip(scene.floats, uprights(scene.floats, scene.carriers, joints), strict=True):
+        if not up > 0:
+            names = [f"{g.name} {axis}" for g in scene.floats for axis in g.motion]
+            at = ", ".join(f"{name} {value:+.2f}" for name, value in zip(names, joints, strict=True) if value)
+            return f"{f.name} is turned over at {at}"
+    return ""
+
+
 def explain(scene: Scene, joints: np.ndarray, bounds: np.ndarray, when: str) -> str:
     """The message that names the coordinate beyond its bound; joints (nj,) where the run stopped, bounds (nz, 2)."""
-    names = [f"{f.name} {axis}" for f in scene.floats for axis in f.motion]
-    for name, value, (low, high) in zip(names, joints, bounds[len(bounds) - len(names) :], strict=True):
-        if not low < value < high:
-            where = f"{name} at {value:+.2f} {when}, beyond {low:+.2f} to {high:+.2f}: the float "
-            if slides(name.rpartition(" ")[2]):
-                return (
-                    f"{where}drifted out of the waves summed about its place at rest; hold it by a stiffer mooring, or"
-                    ' set froude_krylov = "linear", which has no such bound'
-                )
-            return f"{where}swung through beneath its hinge; the sea is too high for this joint and its damping"
-    return f"a hinge of the platform moved by more than the platform's size {when}: it is too soft for its loads"
+    remedy = "; hold it by more stiffness or damping, or let it go nearer to its rest"
+    if scene.sea.amplitude.any():
+        remedy = "; the sea is too high for this joint and its damping"
+    if (first := beyond(scene, joints, bounds)) is None:
+        if over := overturned(scene, joints):
+            return f"{over} {when}{remedy}"
+        return f"a hinge of the platform moved by more than the platform's size {when}: it is too soft for its loads"
+    j, item, axis = first
+    low, high = bounds[len(bounds) - len(joints) + j]
+    where = f"{item.name} {axis} at {joints[j]:+.2f} {when}, beyond {low:+.2f} to {high:+.2f}: the float "
+    if not slides(axis) and np.isfinite(falls := falls_at(item.direction(axis))):
+        over = (low if joints[j] < 0 else high) in (-falls, falls)
+        return f"{where}{'is turned over' if over else 'swung through beneath its hinge'}{remedy}"
+    if high == np.pi:
+        return (
+            f"{where}turned too far round for linear pressure beside axes that tilt floats; hold it by more stiffness,"
+            ' or set froude_krylov = "body-nonlinear"'
+        )
+    return (
+        f"{where}drifted out of the waves summed about its place at rest; hold it by a stiffer mooring, or"
+        ' set froude_krylov = "linear", which has no such bound'
+    )

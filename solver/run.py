@@ -10,7 +10,7 @@ import numpy as np
 from solver.coupled.blocks import blocks, energy_residual, unbalanced
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
-from solver.coupled.natural import require_stable, system_modes, with_critical_damping, with_usual_step
+from solver.coupled.natural import require_stable, require_upright, system_modes, with_critical_damping, with_usual_step
 from solver.coupled.stages import copied
 from solver.coupled.system import BALANCE
 from solver.errors import SimulationFailed, StepTooLong
@@ -126,6 +126,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     clock = time.perf_counter()
     system = prepared(scene, hydrodynamics)
     require_stable(system)
+    require_upright(system)
     modes = system_modes(system, hydrodynamics)
     system = with_usual_step(system, modes)
     scene = system.scene

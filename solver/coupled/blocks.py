@@ -24,7 +24,7 @@ from solver.coupled.stages import State
 from solver.coupled.system import BLOCK_STEPS, ITERATIONS, System
 from solver.errors import SimulationFailed, StepTooLong
 from solver.limits import slides
-from solver.scene import FALLEN_OVER
+from solver.scene import falls_at
 
 
 def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[tuple[np.ndarray, Output, np.ndarray]]:
@@ -67,14 +67,13 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
 
 def _stability(system: System, joints: np.ndarray) -> str:
     """How far from rest a hinge that is beyond its bounds rights itself, for the message that says so."""
-    bodies, first = system.bodies, system.bodies.mechanism.size - joints.size
-    low, high = bodies.limit[first:].T
-    beyond = np.flatnonzero((joints <= low) | (joints >= high))
-    names = [axis for f in system.scene.floats for axis in f.motion]
-    if not beyond.size or slides(names[beyond[0]]):
+    bodies, carriers = system.bodies, system.bodies.mechanism.size - joints.size
+    if (first := limits.beyond(system.scene, joints, bodies.limit)) is None:
         return ""
-    i = first + int(beyond[0])
-    back, forth = righting(bodies, system.equilibrium[0], i, FALLEN_OVER)
+    i, item, axis = first
+    if slides(axis) or np.isinf(most := falls_at(item.direction(axis))):
+        return ""
+    back, forth = righting(bodies, system.equilibrium[0], carriers + i, most)
     return f"; in still water it rights itself between {back:+.2f} and {forth:+.2f} rad"
 
 

@@ -52,7 +52,7 @@ def march(
                 used += spent
         if outcome != OK:
             return outcome, sample + 1, used
-        if not within(problem.bodies.limit, room.stage.z[1]):
+        if not within(problem.bodies.limit, room.stage.z[1], room.stage.motion[1].rotation):
             copy(room.stage.z[1, nc:], state.z)
             return EXCURSION, sample + 2, used
         if whole:

@@ -10,6 +10,7 @@ import numpy as np
 from scipy import linalg
 from scipy.interpolate import CubicSpline
 
+from solver import limits
 from solver.balance import heaved
 from solver.coupled.histories import missed, moved
 from solver.coupled.linear import LinearModel, linear_model
@@ -21,7 +22,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits, shared
 from solver.limits import slides
 from solver.multibody.of_axes import pto_stiffness_at_rest
-from solver.scene import MOST_STEPS, STEPS, Scene, two_digits
+from solver.scene import MOST_STEPS, STEPS, Scene, two_digits, unit_along
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
 PLATFORM = 6  # lowest shapes of the platform that are told, besides all joints
@@ -198,6 +199,8 @@ def require_stable(system: System) -> None:
             raise SimulationFailed(
                 f"{name} rests at {at:+.2f} in still water, beyond {low:+.2f} to {high:+.2f}: {remedy}"
             )
+    if over := limits.overturned(system.scene, joints):
+        raise SimulationFailed(f"{over}, where it rests in still water: check its mass and centre of gravity (cog)")
     for f, up, share in heaved(system.scene, joints):
         if share >= 1:
             where = "out of the water" if up > 0 else "under water"
@@ -229,6 +232,23 @@ def require_stable(system: System) -> None:
             f"the equilibrium in still water is unstable: {', '.join(names)} falls away with a stiffness of"
             f" {scale * value[0]:.3g} {unit}{parts}; {remedy}"
         )
+
+
+def require_upright(system: System) -> None:
+    """Refuse offsets from rest, as known here, with which a run would end where it begins."""
+    scene, rest, bounds = system.scene, system.joints_at_rest, system.bodies.limit
+    offsets = np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in scene.floats)])
+    if not offsets.any():
+        return
+    if (first := limits.beyond(scene, rest + offsets, bounds)) is not None:
+        j, item, axis = first
+        low, high = bounds[len(bounds) - len(rest) + j] - rest[j]
+        limit = (
+            f"must be within {low:+.3g} to {high:+.3g} {unit_along(axis)} of {axis}, from its rest at {rest[j]:+.3g}"
+        )
+        raise InputError(f"floats.{item.name}.offset", f"{offsets[j]:g} {unit_along(axis)}", limit)
+    if over := limits.overturned(scene, rest + offsets):
+        raise InputError("floats.offset", ", ".join(f"{x:g}" for x in offsets), f"must leave floats upright: {over}")
 
 
 def with_usual_step(system: System, modes: SystemModes) -> System:

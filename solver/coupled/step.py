@@ -287,9 +287,11 @@ def advance(problem: Problem, state: State, room: Workspace) -> None:
 
 
 @kernel(inline="always")
-def within(limit: np.ndarray, z: np.ndarray) -> bool:
-    """Whether all coordinates are within their limits, and none is NaN."""
+def within(limit: np.ndarray, z: np.ndarray, rotation: np.ndarray) -> bool:
+    """Whether all coordinates are within their limits, no body (nb, 3, 3) is turned over, and nothing is NaN."""
     within = True
     for i in range(z.size):
         within = within and limit[i, 0] < z[i] < limit[i, 1]
+    for b in range(rotation.shape[0]):
+        within = within and rotation[b, 2, 2] > 0.0
     return within

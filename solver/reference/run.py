@@ -19,7 +19,7 @@ from solver.coupled.blocks import energy_residual, unbalanced
 from solver.coupled.driving import driven
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.moving import along_waves
-from solver.coupled.natural import require_stable, system_modes, with_usual_step
+from solver.coupled.natural import require_stable, require_upright, system_modes, with_usual_step
 from solver.coupled.problem import BEYOND, CONTACT, Output, whole_output
 from solver.coupled.sliding import leaders
 from solver.coupled.system import BALANCE, System
@@ -96,6 +96,7 @@ def simulate_reference(
     options: dict[str, Any] = {"kernel": kernel, "surface": surface, "panels": panels, "stages": stages}
     case = _case(scene, hydrodynamics, **options)
     require_stable(case.system)
+    require_upright(case.system)
     ready = time.perf_counter()
     recorder = Recorder(scene, case.system.support, layout=case.system.layout)
     probe = Recorder(probed(case.scene, _probe_steps(case)), case.system.support, layout=case.system.layout)
@@ -273,8 +274,7 @@ def _row(case: Case, stage: int, sample: Sample) -> tuple[Any, ...]:
     """Time, errors of the constraints, and the parts of an Output."""
     floats, none = case.floats, np.zeros(0)
     z, dz = (np.concatenate([none, *values[stage]]) for values in (floats.way, floats.rate))
-    limit = case.system.bodies.limit[len(case.system.bodies.limit) - len(z) :]
-    if not np.all((z >= limit[:, 0]) & (z <= limit[:, 1])):
+    if limits.beyond(case.scene, z, case.system.bodies.limit) or limits.overturned(case.scene, z):
         when = f"at t = {sample.time:.1f} s"
         raise SimulationFailed(limits.explain(case.scene, z, case.system.bodies.limit, when))
     p, *loads = case.support.sample(stage)

@@ -31,7 +31,7 @@ from solver.scene.settings import (
     needs_coefficients,
     panels_for,
 )
-from solver.scene.turning import FALLEN_OVER, straight_down, turning_bounds
+from solver.scene.turning import FALLEN_OVER, falls_at, straight_down, turning_bounds, uprights
 from solver.scene.water import Water
 
 __all__ = [
@@ -56,6 +56,7 @@ __all__ = [
     "StructuralDamping",
     "Utilisation",
     "Water",
+    "falls_at",
     "is_planar",
     "load_unit_along",
     "needs_coefficients",
@@ -68,4 +69,5 @@ __all__ = [
     "two_digits",
     "unit_along",
     "unlisted",
+    "uprights",
 ]

@@ -1,20 +1,20 @@
 """How far a float may turn on its joint before what is known of it at rest says nothing of it any more."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from solver.errors import InputError
 from solver.scene.floats import DOFS, Float
 
-FALLEN_OVER = np.pi / 2  # diffraction and radiation at rest say nothing of a float that has turned so far [rad]
+FALLEN_OVER = np.pi / 2  # about a level axis: what is known of a float at rest says nothing of one on its side [rad]
 HANGING = np.pi / 6  # an arm at rest so near to the vertical swings beneath its hinge by nature [rad]
 
 
 def turning_bounds(item: Float, name: str) -> tuple[float, float]:
     """Least and largest angle [rad] of an axis that turns."""
-    low, high = -FALLEN_OVER, FALLEN_OVER
-    down = straight_down(item) if name == "hinge" else 0.0
+    high = falls_at(item.direction(name))
+    low, down = -high, straight_down(item) if name == "hinge" and np.isfinite(high) else 0.0
     # Past straight down buoyancy carries the float on, to rest as far on the hinge's other side:
     # half way there it will not come back.
     if down < -HANGING:
@@ -22,6 +22,29 @@ def turning_bounds(item: Float, name: str) -> tuple[float, float]:
     elif down > HANGING:
         high = min(high, 1.5 * down)
     return low, high
+
+
+def falls_at(axis: np.ndarray) -> float:
+    """Angle [rad] about an axis n (3,) of length one, alone, at which a float's own vertical z lies level.
+
+    By Rodrigues' formula z·Rz = n_z² + (1 - n_z²) cos θ; about an axis nearer to the vertical than 45° it never does.
+    """
+    square = axis[2] ** 2
+    return float(np.arccos(-square / (1 - square))) if square < 0.5 else np.inf
+
+
+def uprights(floats: Sequence[Float], carriers: Sequence[int], joints: np.ndarray) -> np.ndarray:
+    """z·Rz (nb,) of each float's own vertical z, all joints (nj,) [m or rad] from rest: below 0 it is turned over."""
+    frames: list[np.ndarray] = []
+    first = 0
+    for item, carrier in zip(floats, carriers, strict=True):
+        R, angles = frames[carrier] if carrier >= 0 else np.eye(3), joints[first : first + len(item.motion)]
+        first += len(angles)
+        for axis, angle in zip(item.directions[item.turns], angles[item.turns], strict=True):
+            across = np.cross(np.eye(3), axis)
+            R = R @ (np.eye(3) + np.sin(angle) * across + (1 - np.cos(angle)) * across @ across)
+        frames.append(R)
+    return np.array([R[2, 2] for R in frames])
 
 
 def straight_down(item: Float) -> float:
