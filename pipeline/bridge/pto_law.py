@@ -143,7 +143,9 @@ def _lines(file: Attachment, y: np.ndarray, v: np.ndarray, exact: np.ndarray, er
         if missed[i, j] <= allowed:
             return at
         if max(len(rows), len(columns)) >= most:
-            raise _unlike(file, y[i], v[j], missed[i, j] / np.abs(exact).max(), error)
+            table = f"a table of {most} lines of {'velocity' if len(columns) >= most else 'position'}"
+            limit = f"{AMPLY * error:.3g}, {AMPLY:g} of `error`, which leaves the rest to what lies between its points"
+            raise _unlike(file, (y[i], v[j]), table, missed[i, j] / np.abs(exact).max(), limit)
         by_rate = abs(along_v[i, j] - exact[i, j]) >= abs(along_y[i, j] - exact[i, j])
         if (by_rate and j not in columns) or i in rows:
             columns.add(j)
@@ -161,10 +163,12 @@ def _check_between(
     i, j = divmod(int(missed.argmax()), v.size)
     largest = max(np.abs(exact).max(), np.abs(lines[2]).max())
     if missed[i, j] > error * largest:
-        raise _unlike(file, y[i], v[j], missed[i, j] / largest, error)
+        table = "between the grid's points the table"
+        raise _unlike(file, (y[i], v[j]), table, missed[i, j] / largest, f"{error:g}, `error`")
 
 
-def _unlike(file: Attachment, y: float, dy: float, missed: float, error: float) -> InputError:
-    where = f"near load({y:.4g}, {dy:.4g}) a table misses it by {missed:.2g} of its largest load"
-    jump = "`coulomb`, `force_limit`, `declutch_load` and `end_stops` are loads that jump or bend"
-    return InputError("pto_table.file", file, f"{where}, which must be <= {error:g}; {jump}")
+def _unlike(file: Attachment, at: tuple[float, float], table: str, missed: float, limit: str) -> InputError:
+    where = f"near load({at[0]:.4g}, {at[1]:.4g}) {table} misses it by {missed:.3g} of its largest load"
+    remedy = "give a narrower range of velocity or position, or a larger `error`; of loads that jump or bend use"
+    jump = "`coulomb`, `force_limit`, `declutch_load` and `end_stops`"
+    return InputError("pto_table.file", file, f"{where}, which must be <= {limit}; {remedy} {jump}")

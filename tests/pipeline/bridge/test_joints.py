@@ -1,5 +1,6 @@
 """Floats on joints of every kind, from a study file to the solver's scene."""
 
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -236,7 +237,7 @@ def test_a_law_of_ones_own_becomes_a_table_within_its_error(study_with, tmp_path
         ("def load(y, dy): return 1 / dy", "load(0, 0) fails: ZeroDivisionError"),
         ("def load(y, dy): return float('nan')", "load(0, -1) must be a finite number, is nan"),
         ("def load(y, dy): return [dy]", "load(0, -1) must be a finite number, is [-1.0]"),
-        ("def load(y, dy): return (dy > 0) - (dy < 0)", "a table misses it by 0.5 of its largest load"),
+        ("def load(y, dy): return (dy > 0) - (dy < 0)", "the grid's points the table misses it by 0.5 of its"),
         ("def load(y, dy): return -dy", "floats.only.pto_law.force = 1.0: must take power"),
     ],
 )  # fmt: skip
@@ -245,6 +246,26 @@ def test_a_law_that_is_none_is_refused(study_with, tmp_path, text, message):
     with pytest.raises(StudyError) as caught:
         study_with(f'{HINGED}pto_law = {{ file = "law.py", velocity = [-1, 1] }}\n')
     assert message in str(caught.value) and "floats.only.pto_law." in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "keys", "most", "table"),
+    [
+        ("30 * dy**3", "velocity = [-4, 4], error = 1e-4", 8e-5, "a table of 100 lines of velocity"),
+        ("dy * (1 + y**4)", "velocity = [-1, 1], position = [-3, 3], error = 1e-4", 8e-5, "100 lines of position"),
+        ("dy + dy * (abs(dy - 0.0025) < 2e-3)", "velocity = [0, 2], error = 1e-3", 1e-3, "between the grid's points"),
+    ],
+)
+def test_a_law_that_a_table_misses_is_refused_by_the_limit_that_it_is_over(
+    study_with, tmp_path, text, keys, most, table
+):
+    """A hair above it, too: what is between the grid's points needs a part of the error."""
+    (tmp_path / "law.py").write_text(f"def load(y, dy): return {text}\n")
+    with pytest.raises(StudyError, match=table) as caught:
+        study_with(f'{HINGED}pto_law = {{ file = "law.py", {keys} }}\n')
+    missed, limit = re.findall(r"(?:misses it by|must be <=) ([\d.e-]+)", str(caught.value))
+    assert float(missed) >= float(limit) == pytest.approx(most)
+    assert "narrower range of velocity or position, or a larger `error`" in str(caught.value)
 
 
 @pytest.mark.parametrize("law", ["while True: pass\n", "def load(y, dy):\n    while True: pass\n"])
