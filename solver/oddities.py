@@ -7,7 +7,6 @@ import numpy as np
 from solver import limits
 from solver.balance import heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
-from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import odd_lines
 from solver.scene import DOFS, Float, Platform, Scene, load_unit_along, unit_along
@@ -44,10 +43,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
                 f"{names}: meshes leave {len(edges)} edges open below still water, a slip that is let pass"
             )
     width = scene.settings.gap_width
-    if width > 0 and not any(
-        len(gaps([f.hull for f in group], np.array([f.centre for f in group]), width, width / 4))
-        for group in scene.sharing
-    ):
+    if width > 0 and not scene.has_gap(width):
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     if scene.platform is not None:
         sentences += _of_platform(scene, scene.platform)

@@ -18,6 +18,8 @@ from solver.record.refit import SWAYED
 from solver.scene import MOST_PANELS, Scene, Settings, panels_for
 
 DOUBT = 0.05  # estimated error beyond which a record warns of it
+FAR_OFF = 10  # times what was asked of a memory's fit: so far away it ends where water rings in a band that none fits
+NARROW = 0.2  # of the size of the largest hull from its reference point, a tenth across: a gap in which water may ring
 
 
 def audit(probe: Probe, hydrodynamics: Hydrodynamics | None, state: State) -> dict[str, float | str]:
@@ -55,8 +57,16 @@ def unmet(
     asked = s.memory_tolerance or USUAL
     if fit is not None and s.memory == "state-space" and not (fit.error <= asked or _suffices(s, errors)):
         does = f", which changes what moves by {errors['memory_effect']:.2g}"
-        notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}{does}")
+        gap = "" if not fit.error > FAR_OFF * asked else _ringing(scene)
+        notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}{does}{gap}")
     return notes
+
+
+def _ringing(scene: Scene) -> str:
+    """What may help where water rings in a gap, or a well, that no lid damps yet."""
+    if scene.settings.gap_damping > 0 or not scene.has_gap(NARROW * max(f.hull.size for f in scene.floats)):
+        return ""
+    return "; water may ring in a narrow gap between floats, or a well: solver.gap_damping and gap_width damp it"
 
 
 def _panels(scene: Scene, h: Hydrodynamics | None) -> str:

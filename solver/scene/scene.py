@@ -8,6 +8,7 @@ import numpy as np
 
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.hull.clearance import openings, reach, slips, touching
+from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import ON_SEABED, stands
@@ -234,6 +235,11 @@ class Scene:
     def sharing(self) -> tuple[tuple[Float, ...], ...]:
         """The floats by what water they share: all of them the same, or without interaction each its own."""
         return (self.floats,) if self.settings.interaction else tuple((f,) for f in self.floats)
+
+    def has_gap(self, width: float) -> bool:
+        """Whether water at rest has a gap between floats, or a well, in which no circle of that diameter [m] fits."""
+        hulls = [([f.hull for f in group], np.array([f.centre for f in group])) for group in self.sharing]
+        return any(len(gaps(*group, width, width / 4)) for group in hulls)
 
     def meetings(self, strokes: Mapping[str, Stroke]) -> Iterator[tuple[str, str, str]]:
         """Names of floats whose hulls meet as some turn on their hinges within `strokes` [rad], and at which angles.

@@ -25,6 +25,7 @@ from solver.scene import Float, Scene, Settings, Water
 from solver.sea.current import Current
 from solver.sea.realization import CALM
 from solver.structure.members import PointMass
+from studies.validation import gaps
 from tests.awkward import RHO, SCENES, known, scene, sea
 
 
@@ -287,3 +288,18 @@ def test_a_knob_that_nobody_set_is_unmet_only_by_what_it_does():
     asked = replace(item, settings=replace(item.settings, memory_tolerance=USUAL))
     assert unmet(item, fit, little) == []
     assert len(unmet(item, fit, much)) == len(unmet(asked, fit, little)) == 1
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05])
+@pytest.mark.parametrize(("apart", "off", "told"), [(4.6, 12, True), (4.6, 8, False), (5.2, 12, False)])
+def test_a_memory_far_off_tells_of_water_that_may_ring_in_a_gap(damping, apart, off, told):
+    """Of boxes 8 m long, 0.6 and 1.2 m apart, where no lid damps it yet."""
+    item = gaps.scene("boxes 0.6 m apart", damping, "time")
+    second = replace(item.floats[1], hinge=(apart, 0, 0))
+    item = replace(item, floats=(item.floats[0], second), settings=replace(item.settings, memory_tolerance=1e-3))
+    fit = replace(prepare(*buoy()).fit, error=off * 1e-3)
+    (note,) = unmet(item, fit, {"estimated_error": 1e-2, "memory_effect": 1e-2})
+    assert ("solver.gap_damping and gap_width" in note) == (told and not damping)
+    apart_from_others = replace(item, settings=replace(item.settings, interaction=False, gap_damping=0, gap_width=0))
+    (note,) = unmet(apart_from_others, fit, {"estimated_error": 1e-2, "memory_effect": 1e-2})
+    assert "gap" not in note
