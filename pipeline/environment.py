@@ -18,6 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 MARCH = "*/march.march-*.nbi"  # numba's index of the time loop, which calls all other kernels and is compiled last
+BENDING = b"solver.coupled.pieces.fine"  # of which that index tells where the loop is compiled for laws that bend, too
 PROGRAM = "wecplatform"
 PACKAGES = (PROGRAM, "numpy", "scipy", "numba", "capytaine")
 
@@ -43,9 +44,13 @@ def importing() -> Iterator[None]:
             gc.enable()
 
 
-def compiled() -> bool:
-    """Whether there is machine code of these sources: the first run has to make it, and is silent for minutes."""
-    return any(Path(os.environ.get("NUMBA_CACHE_DIR", "")).glob(MARCH))
+def compiled(bends: bool) -> bool:
+    """Whether there is machine code of these sources: the first run has to make it, and is silent for minutes.
+
+    bends: for joints whose law bends or jumps, which are compiled apart.
+    """
+    indices = Path(os.environ.get("NUMBA_CACHE_DIR", "")).glob(MARCH)
+    return any(not bends or BENDING in index.read_bytes() for index in indices)
 
 
 def _writable_cache() -> Path:

@@ -12,11 +12,16 @@ from pipeline.results.netcdf import Variable
 from pipeline.results.status import read_json
 from pipeline.results.store import UNFINISHED, Store, sha256, write_json
 from pipeline.running.place import Place
+from pipeline.study.schema import StudyFile
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Task
 from pipeline.tasks.tasklist import Tasks
 from pipeline.terminal import err, out
 
+# Of a joint, keys by which its law bends or jumps.
+BENT = {
+    "coulomb", "declutch_load", "end_stops", "force_limit", "latch_load", "one_way", "pto_law", "pto_table",
+}  # fmt: skip
 REPORTED = 1000  # tasks up to which the report comes by itself: its figures take 3 s, and longer with more dots
 
 
@@ -25,10 +30,19 @@ def preflight(study: Study, tasks: Tasks) -> None:
     from pipeline.bridge.engine import Engine
     from pipeline.bridge.preflight import judge
 
-    if not environment.compiled():
-        say("compiling the solver: a few minutes, once for each state of its sources", err)
+    bends = _bends(study.content)
+    if not environment.compiled(bends):
+        laws = " and, apart, for joints' laws that bend" if bends else ""
+        say(f"compiling the solver: a few minutes, once for each state of its sources{laws}", err)
     for text in judge(study, tasks.passing(), Engine()):
         say(f"{study.path}: warning: {text}", err)
+
+
+def _bends(content: StudyFile) -> bool:
+    """Whether a march of the study may need laws that bend, as its keys tell."""
+    given = {name for item in content.floats for name in item.model_fields_set}
+    given |= {part for axis in content.varied for path in axis.keys for part in path.split(".")}
+    return bool(given & BENT) and (content.solver.method == "time" or "method" in given)
 
 
 def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> None:

@@ -104,7 +104,7 @@ def install(put: Callable[[object, str, object], None] = setattr) -> None:
     from pipeline.cli import actions
 
     put(actions, "REPORTED", 0)
-    put(environment, "compiled", lambda: True)  # nothing that this engine runs is ever compiled
+    put(environment, "compiled", lambda _bends: True)  # nothing that this engine runs is ever compiled
     put(cache.Cache.__init__, "__defaults__", (require_whole,))
     put(engine, "Engine", lambda: ENGINE)
 

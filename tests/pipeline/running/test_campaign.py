@@ -30,6 +30,7 @@ from pipeline.running.campaign import Campaign, unfinished
 from pipeline.running.place import Place
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import expand
+from solver.coupled.pieces.fine import Fine
 from solver.errors import InputError
 
 
@@ -483,8 +484,37 @@ def test_a_run_says_that_it_compiles(cli, tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert "compiling" in cli("run", "--workers", "1")
     assert "compiling" not in cli("run")  # nothing to run
-    monkeypatch.setattr("pipeline.environment.compiled", lambda: True)
+    monkeypatch.setattr("pipeline.environment.compiled", lambda _bends: True)
     assert "compiling" not in cli("rerun", "platform=fixed,seed=1", "--workers", "1")
+
+
+@pytest.mark.parametrize(
+    ("more", "bends"),
+    [
+        ("", False),
+        ("[[floats]]\nname = 'front'\nend_stops = { lower = -0.9, upper = 0.9, stiffness = 1e7 }", True),
+        ("[axes]\n'floats.front.coulomb' = [0.0, 1e3]", True),
+        ("[solver]\nmethod = 'frequency'\n[axes]\n'floats.front.coulomb' = [0.0, 1e3]", False),
+        ("[axes]\n'floats.front.coulomb' = [0.0, 1e3]\n'solver.method' = ['time', 'frequency']", True),
+    ],
+)
+def test_kernels_of_laws_that_bend_are_told_apart(small, tmp_path, monkeypatch, more, bends):
+    """By the index in which numba names the arguments of what it compiled."""
+    told = []
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(actions, "say", lambda text, _console: told.append(text))
+    monkeypatch.setattr("pipeline.bridge.preflight.judge", lambda *_: [])
+    path = small.with_name("more.toml")
+    path.write_text(f"base = '{small.name}'\n{more}\n")
+    study = load(path)
+    index = tmp_path / "coupled_1" / "march.march-20.py311.nbi"
+    index.parent.mkdir()
+    for kernels, silent in ((None, False), ("solver.coupled.march", not bends), (Fine.__module__, True)):
+        if kernels:
+            index.write_text(kernels)
+        actions.preflight(study, study.tasks)
+        assert (told == []) == silent
+        told.clear()
 
 
 def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine, tmp_path):
