@@ -38,7 +38,7 @@ def _turnable(scene: Scene, item: Float, name: str, way: float) -> float:
     """How far a float may turn about an axis by which it does not fall over [rad].
 
     Half a turn where pressure is linear and other axes tilt floats: it goes by the vector of the rotation, which is
-    none for more. Else until that takes it `way` [m] off, out of its local wave field.
+    none for more. Else, beyond a right angle, until that takes it `way` [m] off, out of its local wave field.
     """
     axis = item.direction(name)
     if np.isfinite(falls_at(axis)):
@@ -191,8 +191,8 @@ def explain(scene: Scene, joints: np.ndarray, bounds: np.ndarray, when: str) -> 
     low, high = bounds[len(bounds) - len(joints) + j]
     where = f"{item.name} {axis} at {joints[j]:+.2f} {when}, beyond {low:+.2f} to {high:+.2f}: the float "
     if not slides(axis) and np.isfinite(falls := falls_at(item.direction(axis))):
-        over = (low if joints[j] < 0 else high) in (-falls, falls)
-        return f"{where}{'is turned over' if over else 'swung through beneath its hinge'}{remedy}"
+        lies = (low if joints[j] < 0 else high) in (-falls, falls)
+        return f"{where}{'is turned over' if lies else 'swung through beneath its hinge'}{remedy}"
     if high == np.pi:
         return (
             f"{where}turned too far round for linear pressure beside axes that tilt floats; hold it by more stiffness,"
