@@ -30,7 +30,8 @@ CHOSEN = ("pto_damping", "hinge_spacing")  # and any axis of the floats' keys
 TITLE = "Best in each sea state"
 NOTE = (
     f"Of all floats, mean over realizations; low and high: {LEVEL:.0%} by Student's t. All seas: by their occurrence."
-    " A number at an end of its axis may be exceeded beyond. Compared are designs that have all realizations of a sea."
+    " A number at an end of its axis may be exceeded beyond. Compared are designs that have all realizations of a sea"
+    " that any has."
 )
 PAIRED = (
     f" The next best has less by the mean of the differences in the same waves, in brackets {LEVEL:.0%}; undecided: 0"
@@ -76,8 +77,10 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
             each = some[variable]
             if each.sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords:
                 continue
-            found = over_seas(each, some)
-            mean = found.sel(estimate="value", drop=True).where(_whole(each, designs))
+            found, whole, label = over_seas(each, some), _whole(each, designs), ", ".join(filter(None, [*labels, sea]))
+            mean = found.sel(estimate="value", drop=True).where(whole)
+            if not whole.any():
+                yield label, f"none (of 0 among {mean.size})", *["-"] * (5 if _several(data) else 3), counted(each)
             if not mean.fillna(0.0).any():  # nor is there a best of none that takes power
                 continue
             at = {dim: int(place) for dim, place in mean.argmax(designs).items()}
@@ -87,7 +90,7 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
                 chosen += f" (of {known} among {mean.size})"
             second = _next_best(of, scale) if _several(data) else ()
             power = texts(found.isel(at).values / scale)
-            yield ", ".join(filter(None, [*labels, sea])), chosen, *power, *second, counted(each.isel(at))
+            yield label, chosen, *power, *second, counted(each.isel(at))
 
 
 def _several(data: xr.Dataset) -> bool:
@@ -100,9 +103,9 @@ def _is_design(axis: xr.DataArray) -> bool:
 
 def _whole(each: xr.DataArray, designs: Sequence[Hashable]) -> xr.DataArray:
     """Which designs have all realizations that any has: of those that failed in some the others tell too much."""
-    number = each.notnull().sum("seed") if "seed" in each.dims else each.notnull()
-    whole = number == number.max(designs)
-    return whole.all("sea_state") if "sea_state" in whole.dims else whole
+    has = each.notnull()
+    whole = has == has.any(designs)  # not as many: two that failed in different ones have met other waves
+    return whole.all([dim for dim in ("sea_state", "seed") if dim in whole.dims])
 
 
 def _next_best(of: _Compared, scale: float) -> tuple[str, str]:

@@ -152,11 +152,11 @@ def named(dim: Hashable, label: Any) -> str:
 
 
 def counted(values: xr.DataArray) -> str:
-    """Numbers of realizations, of the sea states with the fewest and the most, and of those that failed in all."""
+    """Numbers of realizations, where there are fewest and where most, and of those that failed in all."""
     some = values.notnull()
     count = some.sum("seed") if "seed" in some.dims else some
     least, most = int(count.min()), int(count.max())
-    failed = int(failures(values))
+    failed = int(failures(values).sum())
     return f"{least}" + f" to {most}" * (least < most) + f", {failed} failed" * (failed > 0)
 
 

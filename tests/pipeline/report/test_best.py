@@ -98,6 +98,20 @@ def test_designs_that_failed_in_a_realization_that_another_has_are_not_compared(
     ]
 
 
+def test_designs_that_failed_in_different_realizations_have_met_different_waves():
+    """Each by its own two of three, 6 m has far more; in the one that both have it has less. Nothing is compared."""
+    scatter = np.array([0.0, 4.0, -4.0])
+    data = of_spacing([5 + scatter, 4.9 + scatter], [9 + scatter, 8 + scatter])
+    data.absorbed_power[0, 0, 1] = data.absorbed_power[0, 1, 2] = np.nan
+    every, mild, rough = table(data).lines
+    assert mild == ("mild", "none (of 0 among 2)", "-", "-", "-", "-", "-", "2, 2 failed")
+    assert every[:2] == ("all seas", "none (of 0 among 2)") and every[-1] == "2 to 3, 2 failed"
+    assert rough[1] == "hinge_spacing 4 (an end)" and rough[5:] == ("hinge_spacing 6", "1 [1, 1]", "3")
+    third = of_spacing([5 + scatter, 4.9 + scatter, 3 + scatter], [9 + scatter, 8 + scatter, 7 + scatter])
+    third.absorbed_power[0, :2] = data.absorbed_power[0]
+    assert table(third).lines[1][1] == "hinge_spacing 8 (of 1 among 3)"
+
+
 def test_a_sample_has_no_end_and_tells_its_values():
     """Nor an axis whose keys do nothing."""
     data = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(platform=0, drop=True).rename(pto_damping="sample")
