@@ -16,7 +16,7 @@ from pipeline.report.drawing import plain, png, svg
 from pipeline.report.figures import Results
 from pipeline.report.overview import TEXT, overview
 from pipeline.report.periods import natural_periods
-from pipeline.report.responses import responses
+from pipeline.report.responses import dashes, responses
 from pipeline.report.template import PAGE
 from pipeline.results import dataset
 from pipeline.results.store import write_atomic
@@ -179,7 +179,8 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     held += f" The first {len(results.seas)} of {count} sea states." if count > len(results.seas) else ""
     fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
     measures = " and ".join(quantity.name for quantity in results.measures).capitalize()
-    spread = f"Dots: mean over realizations; bars: least and largest. {fixed}"
+    spread = f"Dots: mean over realizations; bars: least and largest. {fixed}".rstrip()
+    dashed = " Dashed: the frequency domain." if dashes(results) else ""
     return [
         (
             "Scene",
@@ -198,7 +199,7 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         (
             f"{measures} in each sea state{_at(results)}",
-            f"{spread} Sea states with Hs, Tp.{held}",
+            f"{spread}{_headed(results)}{held}",
             figures.sea_states,
         ),
         *[
@@ -216,7 +217,7 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         (
             "Response to the waves",
-            f"Per wave amplitude; sea state {results.sea}, first realization. Dashed: the frequency domain.{held}",
+            f"Per wave amplitude; sea state {results.sea}, first realization.{dashed}{held}",
             responses,
         ),
         (
@@ -235,6 +236,20 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
+
+
+def _headed(results: Results) -> str:
+    """What the numbers beside the names of sea states are."""
+    known = (
+        ("Sea states with Hs, Tp.", "Hs", "Tp"),
+        ("Regular waves with height, period.", "wave_height", "wave_period"),
+    )
+    shown = len(results.seas)
+    return "".join(
+        f" {words}"
+        for words, height, period in known
+        if np.isfinite(results.numbers(height) + results.numbers(period))[:shown].any()
+    )
 
 
 def _of_seas(results: Results, dim: str) -> str:

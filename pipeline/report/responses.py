@@ -23,6 +23,12 @@ FAINT = 1e-3  # share of the largest wave spectrum below which a band has no wav
 METHOD, BAND = "method", "frequency_band"
 
 
+def dashes(results: Results) -> bool:
+    """Whether the frequency domain has numbers that stand, dashed, beside those of records."""
+    both = METHOD in results.data.dims and len(results.labels(METHOD)) > 1 and "frequency" in results.labels(METHOD)
+    return both and any(results.has(f"{name}_response", **{METHOD: "frequency"}) for name in OUTPUTS)
+
+
 def responses(results: Results) -> Figure | None:
     """Response per wave amplitude and coherence; the frequency domain as dashed lines where a study has both."""
     methods = [{METHOD: label} for label in results.labels(METHOD)] or [{}]

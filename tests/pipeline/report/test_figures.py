@@ -556,6 +556,26 @@ def test_the_same_figure_has_the_same_bytes(results):
         assert svg(strips.audit(results)) == svg(strips.audit(results))
 
 
+@pytest.mark.parametrize(
+    ("heights", "periods", "told"),
+    [
+        ({"Hs": [0.5, 2.0]}, {"Tp": [5.0, 7.0]}, " Sea states with Hs, Tp."),
+        ({"wave_height": [0.5, 1.0]}, {"wave_period": [5.0, 7.0]}, " Regular waves with height, period."),
+        ({"Hs": [0.5, np.nan], "wave_height": [np.nan, 1.0]}, {"Tp": [5.0, np.nan], "wave_period": [np.nan, 7.0]},
+         " Sea states with Hs, Tp. Regular waves with height, period."),
+        ({"Hs": [0.5, 2.0]}, {}, ""),  # white noise
+    ],
+)  # fmt: skip
+def test_a_caption_says_what_the_numbers_beside_sea_states_are(results, heights, periods, told):
+    numbers = {name: ("sea_state", values) for name, values in (heights | periods).items()}
+    data = results.data.drop_vars(["Hs", "Tp"]).assign_coords(numbers)
+    (caption,) = (words for title, words, _ in page._list(replace(results, data=data)) if "in each sea state" in title)
+    assert (
+        caption
+        == f"Dots: mean over realizations; bars: least and largest. Filled: elastic platform; open: fixed.{told}"
+    )
+
+
 def test_a_long_scatter_table_is_cut(results):
     many = xr.concat([results.data.isel(sea_state=0)] * 30, "sea_state").assign_coords(
         sea_state=[f"s{i}" for i in range(30)], Hs=("sea_state", np.ones(30)), Tp=("sea_state", np.full(30, 5.0))
@@ -587,6 +607,11 @@ def test_responses_stand_beside_the_frequency_domains(results):
     assert [line.get_linestyle() for line in upper.lines] == ["-", "-", "--", "--"]
     assert upper.lines[0].get_xdata() == pytest.approx(omega[1:5]) and upper.get_title() == "hinge force [N m-1]"
     assert upper.lines[1].get_ydata() == pytest.approx(size[1, 1:5]) and lower.get_ylabel() == "coherence"
+    none = data.hinge_force_response.where(data.method == "time")
+    for of, told in ((both, True), (replace(both, data=data.isel(method=[0])), False), (results, False),
+                     (replace(both, data=data.assign(hinge_force_response=none)), False)):  # fmt: skip
+        captions = {title: caption for title, caption, _ in page._list(of)}
+        assert ("Dashed: the frequency domain." in captions["Response to the waves"]) == told
 
 
 def test_a_float_without_numbers_leaves_the_others_their_lines(results):
