@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 HEADING = "heading"
 DASHES = ("-", "--", ":", "-.")
 MARGIN = 0.15  # about the floats, of their extent
+DIGITS = 6  # of distances between anchors and floats [m], which differences of coordinates round
 
 
 def from_above(study: StudyFile) -> Figure | None:
@@ -135,7 +136,7 @@ def _widest(results: Results) -> str:
 
 
 def alone(results: Results) -> tuple[str, list[str]] | None:
-    """The variant in which one float alone absorbs, and those in which several do, that one among them."""
+    """The variant in which one float alone absorbs, and those in which several like it do, that one among them."""
     if VARIANT not in results.data.dims or not results.has("absorbed_power"):
         return None
     power = results.data["absorbed_power"].sel(statistic="mean")
@@ -147,9 +148,27 @@ def alone(results: Results) -> tuple[str, list[str]] | None:
     single = [label for label, floats in absorbing.items() if len(floats) == 1]
     for label in single:
         several = [v for v, floats in absorbing.items() if len(floats) > 1 and absorbing[label][0] in floats]
+        one = _but_place(_at_variant(results, label), absorbing[label][0])
+        several = [v for v in several if all(_but_place(_at_variant(results, v), f) == one for f in absorbing[v])]
         if several:
             return label, several
     return None
+
+
+def _at_variant(results: Results, variant: str) -> StudyFile:
+    """The study of a variant's first task."""
+    content = results.study.content
+    return at_labels(content, firsts(content)({VARIANT: variant}))
+
+
+def _but_place(study: StudyFile, name: str) -> dict[str, Any]:
+    """All that a float is, wherever it is on the water, on whatever it hangs, and whence it is let go."""
+    (item,) = (item for item in study.floats if item.name == name)
+    x, y, _ = item.hinge  # its height is the arm's: the reference point lies at still water
+    anchors = [np.round(np.subtract(line.anchor, (x, y, 0.0)), DIGITS).tolist() for line in item.lines]
+    own = item.model_dump(mode="json", exclude={"name": True, "hinge": True, "on": True, "offset": True,
+                                                "lines": {"__all__": {"anchor"}}})  # fmt: skip
+    return own | {"anchors": anchors}
 
 
 def q_factor(results: Results, single: str, label: str) -> xr.DataArray:
@@ -168,8 +187,7 @@ def q_by_period(results: Results, single: str, label: str) -> tuple[np.ndarray, 
     sea = _widest(results)
     each = []
     for variant in (label, single):
-        content = results.study.content
-        study = at_labels(content, firsts(content)({VARIANT: variant}))
+        study = _at_variant(results, variant)
         rao = _at(results, "rao", sea, variant=variant)
         powers = [_linear(item, rao) for item in study.floats if item.name not in study.left_out]
         if any(p is None for p in powers):

@@ -19,18 +19,28 @@ inertia = [859.0, 859.0, 859.0]
 hinge = [6.0, 9.0, -0.5]
 arm = [0.0, 0.0, 0.5]
 pto_damping = 3e5
+"""
+VARIANTS = """
 [variants.both]
 [variants.one]
 left_out = ["side"]
 """
+HEADINGS, SEAS = "[axes]\n'waves.heading' = [0.0, 0.5]\n", SMALL[SMALL.index("[axes]") :]
+FRONT = SMALL[SMALL.index("[[floats]]") : SMALL.index("[platform]")]
+TWIN = FRONT.replace('"front"', '"side"').replace("[-1.5, 0.0, 2.6]", "[7.5, 9.0, 2.6]")
 OMEGA = np.array([0.5, 2.0, 1.0])
+
+
+def of_two(small, first, second):
+    """A study of the array of two floats and of the first by itself."""
+    water, seas = SMALL[: SMALL.index("[[floats]]")], SEAS[SEAS.index("[sea_states") :]
+    small.write_text(water + first + second + VARIANTS + HEADINGS + seas)
+    return load(small)
 
 
 @pytest.fixture
 def study(small):
-    lines, rest = SMALL[: SMALL.index("[platform]")], SMALL[SMALL.index("[axes]") :]
-    small.write_text(lines + PAIR + "[axes]\n'waves.heading' = [0.0, 0.5]\n" + rest[rest.index("[sea_states") :])
-    return load(small)
+    return of_two(small, FRONT, PAIR)
 
 
 def dataset():
@@ -58,8 +68,8 @@ def dataset():
 
 
 @pytest.fixture
-def results(study):
-    return figures.Results(study=study, data=dataset())
+def results(small):
+    return figures.Results(study=of_two(small, FRONT, TWIN), data=dataset())
 
 
 def test_floats_are_where_they_are(study):
@@ -94,12 +104,51 @@ def test_the_gain_is_over_as_many_floats_alone(results):
     assert arrays.alone(results) == ("one", ["both"])
     with plain():
         by_period, by_heading, by_sea = arrays.gain(results).axes
-    exact = [(1e5 * 4 + 3e5) / (2 * 4e5), (1e5 * 9 + 3e5 * 4) / (2 * 1e5), (1e5 + 3e5) / (2 * 4e5)]
+    exact = [(4 + 1) / (2 * 4), (9 + 4) / (2 * 1), (1 + 1) / (2 * 4)]
     assert by_period.lines[0].get_ydata() == pytest.approx(exact)
     np.testing.assert_allclose(by_heading.lines[0].get_xydata(), [[0, 1.2], [np.degrees(0.5), 1.8]])
     assert by_sea.lines[0].get_ydata() == pytest.approx([1.2, 1.2])
     titles = [title for title, _, _ in page._list(results)]
     assert {"From above", "Motion of each float by period", "Gain of the array"} <= set(titles)
+
+
+MOORED = (
+    "[[floats.lines]]\nanchor = [{}, {}, -50.0]\nfairlead = [0.0, 0.0, -0.5]\nlength = 80.0\nweight = 9.0\nEA = 1e7\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "alike"),
+    [
+        ("100e3", "50e3", False),
+        ("radius = 1.0", "radius = 1.1", False),
+        ("2147.0", '"balance"', False),
+        ("2.6]\narm = [-2.36, 0.0, -2.6]", "1.6]\narm = [-2.36, 0.0, -1.6]", False),
+        ("[7.5, 9.0", "[-80.0, -7.7", True),
+        ("100e3", "100e3\noffset = 0.1", True),
+    ],
+)
+def test_the_gain_is_of_floats_alike_in_all_but_place(small, old, new, alike):
+    """One alone is not what another would take: q would not be 1 of floats that know nothing of each other."""
+    assert TWIN.count(old) == 1
+    study = of_two(small, FRONT, TWIN.replace(old, new))
+    found = arrays.alone(figures.Results(study=study, data=dataset()))
+    assert found == (("one", ["both"]) if alike else None)
+
+
+@pytest.mark.parametrize(("anchor", "alike"), [((67.5, 9.0), True), ((58.5, 0.0), False)])
+def test_moored_floats_are_alike_with_their_anchors_alike_about_them(small, anchor, alike):
+    study = of_two(small, FRONT + MOORED.format(58.5, 0.0), TWIN + MOORED.format(*anchor))
+    assert (arrays.alone(figures.Results(study=study, data=dataset())) is not None) == alike
+
+
+def test_each_axis_counts_by_its_own_damping(small):
+    """Two of a float move twice and thrice as far as the wave."""
+    several = FRONT.replace("pto_damping = 100e3", "motion = ['surge', 'heave']\npto_damping = [3e3, 7e3]")
+    (item, _) = of_two(small, several, TWIN).content.floats
+    rao = xr.DataArray([[[2.0], [3.0]]], dims=("float", "axis", "component"))
+    power = arrays._linear(item, rao.assign_coords({"float": ["front"], "axis": ["surge", "heave"]}))
+    assert power == pytest.approx([3e3 * 4 + 7e3 * 9])
 
 
 def test_there_is_no_gain_without_one_alone(results):
@@ -110,7 +159,7 @@ def test_there_is_no_gain_without_one_alone(results):
 
 @pytest.mark.parametrize("law", ["coulomb = 100.0", "force_limit = 9e3", "declutch_load = 9e3", "latch_load = 9e3"])
 def test_power_take_offs_that_are_not_linear_have_no_gain_by_period(results, small, law):
-    small.write_text(small.read_text().replace("pto_damping = 3e5", f"pto_damping = 3e5\n{law}"))
+    small.write_text(small.read_text().replace("pto_damping = 100e3", f"pto_damping = 100e3\n{law}"))
     bent = figures.Results(study=load(small), data=results.data)
     with plain():
         names = [axes.get_xlabel() for axes in arrays.gain(bent).axes]
