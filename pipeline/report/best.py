@@ -19,6 +19,7 @@ from pipeline.report.yearly import (
     over_seas,
     prefix,
     texts,
+    weighed,
 )
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ class _Compared(NamedTuple):
 
 def table(data: xr.Dataset) -> Table:
     """Of a study with several designs."""
+    data = weighed(data)
     variable = next((name for name in POWERS if name in data), "")
     if not variable:
         return Table(TITLE, (), [], NOTE)

@@ -20,6 +20,7 @@ from pipeline.report.yearly import (
     prefix,
     realized,
     texts,
+    weighed,
 )
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def energies(data: xr.Dataset, variable: str = "absorbed_power", weights: Any = 
     import xarray as xr
 
     each = powers(data, variable)
-    power = over_seas(each, data if weights is None else weights)
+    power = over_seas(each, weighed(data) if weights is None else weights)
     energy = power * YEAR * HOUR
     power.attrs, energy.attrs = {"units": "W"}, {"units": "J"}
     return xr.Dataset({"power": power, "energy": energy, FAILED: failures(each)})
@@ -73,6 +74,7 @@ def powers(data: xr.Dataset, variable: str) -> xr.DataArray:
 
 def table(data: xr.Dataset) -> Table:
     """Of a study that says how often its sea states come."""
+    data = weighed(data)
     told = "occurrence" in data.coords and any(name in data for name in OF)
     unit, scale = prefix(data[next(name for name in OF if name in data)].sel(statistic="mean")) if told else ("k", 1e3)
     columns = f"mean power [{unit}W]", "low", "high", f"energy a year [{ABOVE[unit]}Wh]", "low", "high", "realizations"

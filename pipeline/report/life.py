@@ -23,6 +23,7 @@ from pipeline.report.yearly import (
     over_seas,
     realized,
     texts,
+    weighed,
 )
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def lives(data: xr.Dataset, variable: str = "damage", weights: Any = None) -> xr
     No interval goes below zero. Life is 1/D, the interval's ends change places; of no damage it has no end. Means leave
     out realizations that failed, `failed_realizations` of all sea states.
     """
-    return _lives(realized(data, data[variable]), data if weights is None else weights)
+    return _lives(realized(data, data[variable]), weighed(data) if weights is None else weights)
 
 
 def _lives(each: xr.DataArray, weights: Any) -> xr.Dataset:
@@ -59,6 +60,7 @@ def _lives(each: xr.DataArray, weights: Any) -> xr.Dataset:
 
 def table(data: xr.Dataset) -> Table:
     """Of a study that reckons damage."""
+    data = weighed(data)
     lines = list(rows(data))
     return Table("Fatigue", HEADER, lines, NOTE + of_part(data) + of_survivors(lines))
 

@@ -22,6 +22,7 @@ WORDS = 2  # columns of a table that are words
 DAY = 24.0  # the least sum of occurrences that looks like hours [h]
 FULL = 8700.0, 8800.0  # between these they are those of a year [h]
 SHARES = tuple(10.0**n for n in range(2, 7))  # and sums that are none: percent, per mille and so on
+KNOWN = ("Hs", "Tp", "wave_height", "wave_period")  # numbers of sea states, along what changes them
 RUN = ("done", "stale", "failed")  # statuses of tasks that have run
 FAILED = "failed_realizations"
 SURVIVORS = " Realizations that failed, as a rule the roughest, are in no mean."
@@ -104,6 +105,12 @@ def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
         known = np.ones(values.sizes["sea_state"])
     w = xr.DataArray(np.broadcast_to(np.asarray(known, float), values.sizes["sea_state"]), dims="sea_state")
     return w / w.sum(skipna=False)
+
+
+def weighed(data: xr.Dataset) -> xr.Dataset:
+    """Without `occurrence` where an axis makes other seas of the sea states: how often those come nobody said."""
+    other = any(name in data.coords and set(data[name].dims) - {"sea_state"} for name in KNOWN)
+    return data.drop_vars("occurrence", errors="ignore") if other else data
 
 
 def of_part(data: xr.Dataset) -> str:

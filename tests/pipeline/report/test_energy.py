@@ -6,6 +6,7 @@ from pytest import approx
 from rich.console import Console
 from scipy import stats
 
+from pipeline.report import best
 from pipeline.report.energy import ALL, energies, rows, table
 from pipeline.report.yearly import SURVIVORS, show
 
@@ -82,6 +83,20 @@ def test_nothing_is_told_where_nobody_said_how_often_seas_come():
     assert model.header[2] == "mean power [W]" and model.header[5] == "energy a year [kWh]"
     assert model.lines == table(dataset(MIRRORED)).lines
     assert "of a year" in table(dataset(MIRRORED, occurrence=[4000.0, 1000.0])).note
+
+
+def test_seas_that_an_axis_makes_have_no_part_in_how_often_others_come():
+    """Nine seas of one that blows 3000 h a year are no nine years; what keeps the seas leaves the table."""
+    whole = dataset(MIRRORED, occurrence=(3000.0, 1000.0), Hs=("sea_state", [1.0, 2.0]), Tp=("sea_state", [6.0, 8.0]))
+    scaled = xr.concat([whole, 2 * whole], "pto_damping").assign_coords(pto_damping=[1e5, 2e5])
+    assert len(table(scaled).lines) == 6 and best.table(scaled).lines[0][0] == "all seas"
+    bare = scaled.drop_vars(["Hs", "Tp"])
+    for data in (
+        bare.expand_dims(Hs=[0.5, 1.0, 1.5]),
+        bare.expand_dims(sample=[1, 2]).assign_coords(wave_period=("sample", [5.0, 7.0])),
+        bare.expand_dims(variant=["a", "b"]).assign_coords(Tp=(("sea_state", "variant"), [[5.0, 6.0], [8.0, 8.0]])),
+    ):
+        assert not table(data).lines and not any("all seas" in line[0] for line in best.table(data).lines)
 
 
 def test_a_float_that_is_lifted_out_in_some_seas_takes_nothing_there():

@@ -45,6 +45,17 @@ def test_seas_count_by_their_occurrence():
     assert lives(data.drop_vars("occurrence")).damage.sel(estimate="value").values.ravel()[0] == approx(5e-6)
 
 
+def test_seas_that_an_axis_makes_count_alike():
+    """Their heights go along it: how often these come nobody said, and a line of all is their plain mean."""
+    data = dataset([[1e-6], [9e-6]]).assign_coords(occurrence=("sea_state", [300.0, 100.0])).expand_dims(scale=[1, 2])
+    own, others = (
+        data.assign_coords(Hs=(dims, np.ones([2] * len(dims)))) for dims in (("sea_state",), ("sea_state", "scale"))
+    )
+    for each, mean in ((own, 3e-6), (others, 5e-6)):
+        assert lives(each).damage.sel(estimate="value").values.ravel()[0] == approx(mean)
+        assert float(table(each).lines[0][2]) == approx(mean * YEAR, rel=2e-3)  # three digits
+
+
 def test_intervals_hold_what_they_say():
     """Of 2,000 studies of three seas and six realizations 95 % hold the true mean: within 3 (0.95 0.05/2000)^½."""
     rng = np.random.default_rng(4)
