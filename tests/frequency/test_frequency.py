@@ -467,6 +467,19 @@ def test_a_tolerance_is_met_or_said_not_to_be():
     assert told[1]["unmet"].startswith("tolerance = 1e-06: the estimated error is")
 
 
+@pytest.mark.parametrize("waves", [1, 3])
+def test_what_does_not_radiate_responds(waves):
+    """Of a hinged float in one wave and in several, the march's std."""
+    item, h = SCENES["flap"]()
+    few = np.arange(item.sea.omega.size) % (item.sea.omega.size // waves) == item.sea.omega.size // (2 * waves)
+    sea = replace(item.sea, omega=item.sea.omega[few], amplitude=item.sea.amplitude[few] / 50)
+    settings = replace(item.settings, radiation=False, time_step=None)
+    quiet = replace(item, sea=sea, settings=settings, floats=tuple(replace(f, pto_damping=3e8) for f in item.floats))
+    lines, march = frequency(quiet, h, duration=600.0), simulate(linear(quiet, duration=600.0, discard=200.0), h)
+    std = [record.variables["rotation"][1][..., 4] for record in (lines, march)]
+    assert std[0] == approx(std[1], rel=0.02)
+
+
 def test_still_water_has_no_response():
     item, h = SCENES["duck"]()
     with pytest.raises(InputError, match="needs waves"):
