@@ -165,10 +165,10 @@ def _but_place(study: StudyFile, name: str) -> dict[str, Any]:
     """All that a float is, wherever it is on the water, on whatever it hangs, and whence it is let go."""
     (item,) = (item for item in study.floats if item.name == name)
     x, y, _ = item.hinge  # its height is the arm's: the reference point lies at still water
-    anchors = [np.round(np.subtract(line.anchor, (x, y, 0.0)), DIGITS).tolist() for line in item.lines]
-    own = item.model_dump(mode="json", exclude={"name": True, "hinge": True, "on": True, "offset": True,
-                                                "lines": {"__all__": {"anchor"}}})  # fmt: skip
-    return own | {"anchors": anchors}
+    own = item.model_dump(mode="json", exclude={"name", "hinge", "on", "offset"})
+    for line in own["lines"]:
+        line["anchor"] = np.round(np.subtract(line["anchor"], (x, y, 0.0)), DIGITS).tolist()
+    return own
 
 
 def q_factor(results: Results, single: str, label: str) -> xr.DataArray:
