@@ -26,10 +26,14 @@ REPORTED = 1000  # tasks up to which the report comes by itself: its figures tak
 
 
 def preflight(study: Study, tasks: Tasks) -> None:
-    """The solver's objections and warnings, before anything runs."""
+    """The solver's objections and warnings, before anything runs, and those to published numbers, not hours later."""
     from pipeline.bridge.engine import Engine
     from pipeline.bridge.preflight import judge
 
+    if study.published:
+        from pipeline.report.report import published
+
+        published(study.published)
     bends = _bends(study.content)
     if not environment.compiled(bends):
         laws = " and, apart, for joints' laws that bend" if bends else ""

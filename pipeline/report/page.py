@@ -18,6 +18,7 @@ from pipeline.report.overview import TEXT, overview
 from pipeline.report.periods import natural_periods
 from pipeline.report.responses import dashes, responses
 from pipeline.report.template import PAGE
+from pipeline.report.yearly import of_survivors
 from pipeline.results import dataset
 from pipeline.results.store import write_atomic
 from pipeline.study.axes import UNCHANGED
@@ -60,8 +61,16 @@ def html(results: Results) -> str:
     return page.from_string(PAGE).render(
         title=results.data.attrs.get("title", results.study.name),
         facts=facts(results),
-        troubles={"Not done": troubles(results), "Asked and not met": unmet(results), "Warnings": warnings(results)},
-        tables=published_tables(results),
+        troubles={
+            "Not done": troubles(results),
+            "Asked and not met": unmet(results),
+            "Warnings": warnings(results),
+            "Published numbers that name what this study does not have": report.strange(
+                results.data, results.published
+            ),
+        },
+        tables=(beside := published_tables(results)),
+        survivors=of_survivors(row for table in beside for row in table["rows"]),
         verdicts=report.verdicts(results.data, results.published),
         summary=[] if report.speaks(results.data, results.published) else list(report.summary_rows(results.data)),
         figures=list(drawn(results)),
@@ -156,7 +165,7 @@ def published_tables(results: Results) -> list[dict[str, Any]]:
     """The published tables: rows of text, and the sentences about numbers that are far off."""
     made = []
     for title, mine in report.tables(results.data, results.published).items():
-        rows = [(r.label, r.statistic, r.text, *report.cells(r, n), r.unit) for r, n in mine]
+        rows = [report.line(r, n) for r, n in mine]
         made.append({"title": title, "rows": rows, "sentences": list(report.sentences(mine))})
     return made
 

@@ -3,26 +3,35 @@
 from __future__ import annotations
 
 import csv
+import difflib
 import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
+import numpy as np
 from rich.console import Console
 from rich.markup import escape
+from rich.segment import Segments
 from rich.table import Table
 
-from pipeline.results.variables import AT_STOPS
+from pipeline.report.units import allowed, factor
+from pipeline.report.yearly import FAILED, counted, realized
+from pipeline.results.arrays import INNER
+from pipeline.results.dataset import NO_TASK
+from pipeline.results.variables import AT_STOPS, VARIABLES, known, meaning
+from pipeline.study.axes import Support
 from pipeline.study.reading import StudyError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-PREFIX = {"k": 1e3, "M": 1e6}
+STATISTICS = ("max", "min", "mean", "rms", "std")
+AXES = ("heave", "pitch")  # one that slides and one that turns: units go by them alone
 OFF = 1 / 3  # a ratio further from 1 than this gets a star, and its sentence if realizations are few
-WIDTH = 96  # characters that the table needs; a narrower terminal wraps them
+WIDTH = 120  # characters that the table may need; a narrower terminal wraps them
 # Of the largest of a variable, whose axes may differ in unit and floats in size: less is none of theirs.
 ROUNDING = 1e-9
 COMPONENTS = "axis", "direction", "force", "moment"  # dimensions along which a mean means nothing
@@ -43,6 +52,8 @@ class Published:
     text: str  # as it is printed
     unit: str
     note: str
+    file: str = ""
+    place: str = ""  # row and label
 
     @property
     def rounding(self) -> float:
@@ -50,9 +61,15 @@ class Published:
         return 0.5 * 10.0 ** -len(self.text.partition(".")[2])
 
     @property
+    def own(self) -> list[str]:
+        """Units that the dataset may have the variable in: some go by the axis, which the selection may tell."""
+        each = (meaning(self.variable, [axis]).get("units") for axis in self.selection.get("axis", AXES))
+        return list(dict.fromkeys(unit for unit in each if unit is not None))
+
+    @property
     def scale(self) -> float:
-        """SI units in one of the printed unit."""
-        return PREFIX.get(self.unit[0], 1.0) if len(self.unit) > 1 else 1.0
+        """SI units in one of the printed unit; NaN of a unit that the variable cannot have."""
+        return next((size for own in self.own if (size := factor(self.unit, own)) is not None), math.nan)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +80,7 @@ class Ours:
     low: float
     high: float
     count: int  # of the realizations
+    realizations: str = ""  # that it is the mean of, and how many failed
 
     def verdict(self, published: Published) -> str:
         """Whether the published number, as one realization more, falls into the range; empty if too few tell."""
@@ -84,55 +102,118 @@ class Ours:
 def published(path: Path) -> list[Published]:
     """Rows of a file of published numbers."""
     with path.open(newline="", encoding="utf-8") as file:
-        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        rows = csv.DictReader((line for line in file if not line.startswith("#")), restval="")
         try:
             if tuple(rows.fieldnames or ()) != COLUMNS:
                 raise StudyError(path, [f"columns = {rows.fieldnames}: must be {', '.join(COLUMNS)}"])
-            return [_row(path, number, row) for number, row in enumerate(rows, start=1)]
+            made = [_row(path, number, row) for number, row in enumerate(rows, start=1)]
         except (UnicodeDecodeError, csv.Error) as error:
             raise StudyError(path, [f"is no table of text: {error}"]) from None
+    if problems := [f"{row.place}: {problem}" for row in made for problem in _problems(row)]:
+        raise StudyError(path, problems)
+    return made
 
 
 def _row(path: Path, number: int, row: dict[str, str]) -> Published:
+    place = f"row {number} = {row['label']!r}"
     try:
         value = float(row["value"])
         pairs = [pair.split("=") for pair in row["selection"].split(";") if pair]
         selection = {key: labels.split("+") for key, labels in pairs}
     except (TypeError, ValueError) as error:
-        raise StudyError(path, [f"row {number} = {row['label']!r}: {error}"]) from None
+        raise StudyError(path, [f"{place}: {error}"]) from None
     words = {key: row[key] for key in ("table", "label", "variable", "statistic", "unit", "note")}
-    return Published(**words, selection=selection, value=value, text=row["value"])
+    return Published(**words, selection=selection, value=value, text=row["value"], file=path.name, place=place)
+
+
+def _problems(row: Published) -> Iterator[str]:
+    """Words that no dataset has."""
+    if not (known(row.variable) and row.own):
+        close = difflib.get_close_matches(row.variable, [name for name, of in VARIABLES.items() if of.units], n=1)
+        yield f"variable = {row.variable!r}: must be an output with numbers" + f": {''.join(close)}?" * bool(close)
+    elif math.isnan(row.scale):
+        yield f"unit = {row.unit!r}: must be that of {row.variable}: {'; or '.join(map(allowed, row.own))}"
+    if row.statistic and row.statistic.removeprefix("-") not in STATISTICS:
+        yield f"statistic = {row.statistic!r}: must be {', '.join(STATISTICS)}, or one with - before it"
+    for label in row.selection.get("platform", ()):
+        if label not in get_args(Support):
+            yield f"selection platform = {label!r}: must be {', '.join(get_args(Support))}"
 
 
 def ours(data: xr.Dataset, row: Published) -> Ours | None:
     """Our number: extremes are means of each record's extreme; None if it has not been computed."""
     each = realizations(data, row)
-    if each is None or (numbers := each.values[~_nan(each.values)]).size == 0:
+    if each is None or (numbers := each.values[~np.isnan(each.values)]).size == 0:
         return None
-    return Ours(mean=float(numbers.mean()), low=float(numbers.min()), high=float(numbers.max()), count=numbers.size)
+    extremes = {"low": float(numbers.min()), "high": float(numbers.max())}
+    return Ours(mean=float(numbers.mean()), count=numbers.size, realizations=counted(each), **extremes)
 
 
 def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
-    """Our number in every realization, in the printed unit; None if the dataset lacks the variable or a label.
+    """Our number in every realization, in the printed unit; None if variable, label or unit are not the dataset's.
 
     Of all else that a study varies the first label is the published one; of platforms the first that has numbers.
     A statistic with a leading minus counts the other way round: "-min" is minus the minimum.
     """
-    if row.variable not in data:
+    if row.variable not in data or not _same_unit(data, row):
         return None
-    wanted = dict(row.selection) | ({"statistic": [row.statistic.lstrip("-")]} if row.statistic else {})
-    values = data[row.variable]
+    places: dict[Any, list[int]] = {dim: [0] for dim in data[row.variable].dims if dim not in ("platform", "seed")}
+    for dim, labels in _wanted(row).items():
+        if dim in data[row.variable].dims:
+            places[dim] = [i for i, label in enumerate(data[dim].values.tolist()) if str(label) in labels]
+        if not places.get(dim, dim in data.coords and str(data[dim].values) in labels):
+            return None
+    tasks = [name for name in ("task", "status") if name in data and "seed" in data[row.variable].dims]
+    part = data[[row.variable, *tasks]].isel(places, missing_dims="ignore")
+    values = realized(part, part[row.variable])
+    values = values.isel({dim: 0 for dim, at in places.items() if len(at) == 1 and dim != "seed"})
+    failed, over = values[FAILED], [dim for dim, at in places.items() if len(at) > 1 and dim != "seed"]
+    values = values.drop_vars(FAILED).mean(over)
+    values = values.assign_coords({FAILED: failed.any([dim for dim in over if dim in failed.dims])})
+    return first_platform(values) / (-row.scale if row.statistic.startswith("-") else row.scale)
+
+
+def strange(data: xr.Dataset, rows: Sequence[Published]) -> list[str]:
+    """Rows that name what this study does not have, though it has their sea and platform: file, row, key and limit."""
+    return [f"{row.file}: {row.place}: {words}" for row in rows for words in _strange(data, row)]
+
+
+def _strange(data: xr.Dataset, row: Published) -> Iterator[str]:
+    wanted = _wanted(row)
+    there = {dim: [*map(str, np.atleast_1d(data[dim].values).tolist())] for dim in wanted if dim in data.coords}
+    if any(not {*there[dim]} & {*wanted[dim]} for dim in ("sea_state", "platform") if dim in there and dim in wanted):
+        return  # a study that stands on another may be of other seas
+    ran = "status" not in data or bool(data["status"].isin(["done", "stale", NO_TASK]).all())
+    if row.variable not in data:
+        if ran:
+            yield f"variable = {row.variable}: is no output of this study"
+        return
+    dims = data[row.variable].dims
     for dim, labels in wanted.items():
-        if dim not in values.dims:
-            if dim in data.coords and str(data[dim].values) in labels:
-                continue
-            return None
-        known = [i for i, label in enumerate(values[dim].values.tolist()) if str(label) in labels]
-        if not known:
-            return None
-        values = values.isel({dim: known[0]}) if len(known) == 1 else values.isel({dim: known}).mean(dim)
-    values = first_platform(values.isel({dim: 0 for dim in values.dims if dim not in ("platform", "seed")}))
-    return values / (-row.scale if row.statistic.startswith("-") else row.scale)
+        key = dim if dim == "statistic" else f"selection {dim}"
+        if dim not in there or not (dim in dims or data[dim].ndim == 0):
+            yield f"{key} = {'+'.join(labels)}: must be left out: {row.variable} has {', '.join(map(str, dims))}"
+            continue
+        lacking = [label for label in labels if label not in there[dim]]
+        if lacking and (ran or dim not in INNER):  # labels of the records' own are known when all tasks have run
+            yield f"{key} = {'+'.join(lacking)}: must be {', '.join(there[dim])}"
+    if not _same_unit(data, row):
+        yield f"unit = {row.unit!r}: must be that of the axis that the selection names, of {', '.join(row.own)}"
+
+
+def _wanted(row: Published) -> dict[str, list[str]]:
+    """Labels of ours by dimension."""
+    return row.selection | ({"statistic": [row.statistic.removeprefix("-")]} if row.statistic else {})
+
+
+def _same_unit(data: xr.Dataset, row: Published) -> bool:
+    """Whether the printed unit is one of the variable's along the axis that is compared."""
+    values = data[row.variable]
+    axis = row.selection.get(
+        "axis", [str(label) for label in values["axis"].values[:1]] if "axis" in values.dims else []
+    )
+    own = meaning(row.variable, axis).get("units") if axis else values.attrs.get("units")
+    return own is None or factor(row.unit, own) is not None
 
 
 def first_platform(values: xr.DataArray) -> xr.DataArray:
@@ -141,12 +222,6 @@ def first_platform(values: xr.DataArray) -> xr.DataArray:
         return values
     known = values.notnull().any([dim for dim in values.dims if dim != "platform"])
     return values.isel(platform=int(known.argmax("platform")))
-
-
-def _nan(values: Any) -> Any:
-    import numpy as np
-
-    return np.isnan(values)
 
 
 def tables(data: xr.Dataset, rows: Sequence[Published]) -> dict[str, list[tuple[Published, Ours | None]]]:
@@ -166,14 +241,17 @@ def print_tables(data: xr.Dataset, rows: Sequence[Published], console: Console) 
     """Print every table, and a sentence for each number that is far off."""
     for title, mine in tables(data, rows).items():
         table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
-        for name in ("", "", "theirs", "ours", "[least, largest]", "ratio", "verdict", "unit"):
+        for name in ("", "", "theirs", "ours", "[least, largest]", "ratio", "verdict", "unit", "realizations"):
             table.add_column(name, justify="left" if name in ("", "verdict", "unit") else "right", no_wrap=True)
         for row, number in mine:
-            table.add_row(row.label, row.statistic, row.text, *(escape(cell) for cell in cells(row, number)), row.unit)
-        console.print(table, width=max(console.width, WIDTH), crop=False)
+            table.add_row(*map(escape, line(row, number)))
+        wide = console.options.update(width=max(console.width, WIDTH))  # print() itself keeps to the terminal
+        console.print(Segments(console.render(table, wide)), end="", crop=False, soft_wrap=True)
         for sentence in sentences(mine):
             console.print(f"  * {sentence}", soft_wrap=True, highlight=False, markup=False)
         console.print()
+    for words in strange(data, rows):
+        console.print(words, soft_wrap=True, highlight=False, markup=False)
     if words := verdicts(data, rows):
         console.print(words, soft_wrap=True, highlight=False, markup=False)
 
@@ -191,6 +269,12 @@ def verdicts(data: xr.Dataset, rows: Sequence[Published]) -> str:
         f"{inside} of {len(judged)} published numbers lie inside [least, largest]; "
         f"one more realization of ours would, with a chance of {chance} realizations."
     )
+
+
+def line(row: Published, number: Ours | None) -> tuple[str, ...]:
+    """A row of a table, as text."""
+    count = number.realizations if number is not None else ""
+    return row.label, row.statistic, row.text, *cells(row, number), row.unit, count
 
 
 def cells(row: Published, number: Ours | None) -> list[str]:

@@ -53,19 +53,20 @@ ul.note { margin: .4rem 0 0; padding-left: 1.2rem; }
 {% endfor %}
 {% if tables %}
 <h2>Published numbers and ours</h2>
-<p class="note">Ours: mean over realizations, with the least and the largest. Ratio: ours over theirs;
-a star if it is more than a third away from 1. Verdict: whether theirs, one realization, is in our range. Reasons
-below each table.{{ named }}{% if verdicts %} {{ verdicts }}{% endif %}</p>
+<p class="note">Ours: mean over realizations, with the least and the largest.{{ survivors }} Ratio: ours
+over theirs; a star if it is more than a third away from 1. Verdict: whether theirs, one realization, is in our range.
+Reasons below each table.{{ named }}{% if verdicts %} {{ verdicts }}{% endif %}</p>
 {% for table in tables %}
 <h3>{{ table.title }}</h3>
 <div class="wide"><table>
 <tr><th class="word"></th><th class="word"></th><th>theirs</th><th>ours</th><th>[least, largest]</th><th>ratio</th>
-<th class="word">verdict</th><th class="word">unit</th></tr>
-{% for label, statistic, theirs, ours, spread, ratio, verdict, unit in table.rows %}
+<th class="word">verdict</th><th class="word">unit</th><th>realizations</th></tr>
+{% for label, statistic, theirs, ours, spread, ratio, verdict, unit, count in table.rows %}
 <tr><td class="word">{{ label }}</td><td class="word">{{ statistic }}</td>
 <td>{{ theirs }}</td><td>{{ ours }}</td><td>{{ spread }}</td>
 <td{% if "*" in ratio %} class="off"{% endif %}>{{ ratio }}</td>
-<td class="word{% if verdict == "outside" %} off{% endif %}">{{ verdict }}</td><td class="word">{{ unit }}</td></tr>
+<td class="word{% if verdict == "outside" %} off{% endif %}">{{ verdict }}</td><td class="word">{{ unit }}</td>
+<td>{{ count }}</td></tr>
 {% endfor %}
 </table></div>
 {% if table.sentences %}

@@ -17,7 +17,7 @@ from pipeline.results.arrays import INNER, Arrays
 from pipeline.results.netcdf import Variable, to_file
 from pipeline.results.status import read_json
 from pipeline.results.store import Entry, Store, appearing, together, write_json
-from pipeline.results.variables import KNOBS, SLIDING, along, axis_units, meaning, meaning_of
+from pipeline.results.variables import FOUND, KNOBS, SLIDING, along, axis_units, meaning, meaning_of
 from pipeline.study import seas
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
@@ -164,7 +164,7 @@ def _dataset(
             variables[name] = Variable(inner, single, meaning(name))
         else:
             # Beside what an axis gives: "balance", or none at all.
-            own = f"{name}_found" if name in coordinates else name
+            own = f"{name}{FOUND}" if name in coordinates else name
             variables[own] = Variable((*outer, *inner), values[keep], meaning(name, axes_met))
     for name, texts in words.items():
         variables[name] = Variable(tuple(outer), np.asarray(texts[keep]), meaning(name))

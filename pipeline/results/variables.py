@@ -214,6 +214,8 @@ COORDINATES = {
 RENAMED = {"Tp": "Tp_realized", "time": "elapsed_time"}
 # What a time series is called beside the statistics of the same variable.
 SERIES = "_series"
+# What an output is called where an axis over its key has the name.
+FOUND = "_found"
 # What goes with an output, and is called after it: unit from its own, and meaning.
 OF_OUTPUTS = {
     "_response": ("{} m-1", "Amplitude per wave amplitude"),
@@ -231,6 +233,13 @@ LOADS = {"m": "N", "rad": "N m"}  # unit of a load along an axis by that of its 
 SLIDING = {"surge", "sway", "heave"}  # the other axes turn
 
 
+def known(name: str) -> bool:
+    """Whether a dataset may have an output, or what goes with one, of this name."""
+    suffixes = (SERIES, FOUND, *OF_OUTPUTS)
+    bare = next((name.removesuffix(suffix) for suffix in suffixes if name.endswith(suffix)), name)
+    return any(each in table for each in (name, bare) for table in (VARIABLES, KNOBS, COORDINATES))
+
+
 def axis_units(axes: Iterable[str]) -> list[str]:
     """Unit of motion along each axis."""
     return ["m" if axis in SLIDING else "rad" for axis in axes]
@@ -241,7 +250,7 @@ def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
 
     axes: of the joints; where some slide and some turn, what goes with both has no unit but theirs.
     """
-    name = name.removesuffix(SERIES)
+    name = name.removesuffix(SERIES).removesuffix(FOUND)
     for suffix, (pattern, words) in OF_OUTPUTS.items():
         if name.endswith(suffix):
             return _spectral(meaning(name.removesuffix(suffix), axes), pattern, words)

@@ -8,10 +8,11 @@ import pytest
 import xarray as xr
 from rich.console import Console
 
-from pipeline.report import report
+from pipeline.report import report, units
 from pipeline.report.yearly import texts
 from pipeline.results.variables import VARIABLES
 from pipeline.study.reading import StudyError
+from solver.statistics import STATISTICS
 
 HEAD = ",".join(report.COLUMNS)
 
@@ -62,10 +63,10 @@ def test_realizations_alone_spread(data, tmp_path):
 def test_minus_counts_the_other_way_round_and_prefixes_are_thousands(tmp_path):
     values = np.array([[-3e6, 7e6], [-1e6, 5e6]])
     stress = xr.Dataset(
-        {"stress": (("seed", "statistic"), values)}, coords={"seed": [0, 1], "statistic": ["min", "max"]}
+        {"bottom_stress": (("seed", "statistic"), values)}, coords={"seed": [0, 1], "statistic": ["min", "max"]}
     )
     for statistic, unit, mean in (("-min", "MPa", 2.0), ("max", "MPa", 6.0), ("max", "kPa", 6e3), ("min", "Pa", -2e6)):
-        mine = report.ours(stress, row(tmp_path / "p.csv", f"T,stress,stress,,{statistic},2.0,{unit},"))
+        mine = report.ours(stress, row(tmp_path / "p.csv", f"T,stress,bottom_stress,,{statistic},2.0,{unit},"))
         assert mine.mean == pytest.approx(mean) and mine.low <= mine.mean <= mine.high
 
 
@@ -116,6 +117,140 @@ def test_bad_rows_are_named(tmp_path):
     (tmp_path / "q.csv").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(StudyError, match="is no table of text: 'utf-8' codec can't decode"):
         report.published(tmp_path / "q.csv")
+
+
+@pytest.mark.parametrize(
+    ("unit", "own", "size"),
+    [
+        ("mm", "m", 1e-3),
+        ("m", "m", 1.0),
+        ("kg", "kg", 1.0),
+        ("t", "kg", 1e3),
+        ("kkg", "kg", None),
+        ("deg", "rad", np.pi / 180),
+        ("deg/s", "rad s-1", np.pi / 180),
+        ("min", "s", 60.0),
+        ("ms", "s", 1e-3),
+        ("year", "s", 31557600.0),
+        ("km", "m2", None),
+        ("year", "h", 8766.0),
+        ("1/year", "h-1", 1 / 8766),
+        ("MN m", "N m", 1e6),
+        ("MNm", "N m", None),
+        ("N", "N m", None),
+        ("kN/m2", "N m-2", 1e3),
+        ("mm/s2", "m s-2", 1e-3),
+        ("mm2", "m2", 1e-6),
+        ("m", "m2", None),
+        ("(N m)2", "(N m)2", 1.0),
+        ("%", "1", 0.01),
+        ("", "1", 1.0),
+        ("", "m", None),
+        ("kPa", "m", None),
+    ],
+)
+def test_units_are_so_many_of_the_datasets_own(unit, own, size):
+    assert units.factor(unit, own) == (size if size is None else pytest.approx(size, rel=1e-14))
+
+
+def test_ours_is_told_in_the_printed_unit_by_the_variables_own(tmp_path):
+    """A mass in kg is no thousand grams' thousandth; millimetres and degrees are not metres and radians."""
+    numbers = {"mass": 6955.5, "top_displacement": 0.0077, "rotation": 0.0744, "system_period": 7200.0}
+    data = xr.Dataset({name: (("seed",), [number] * 2) for name, number in numbers.items()})
+    told = {("mass", "kg"): 6955.5, ("mass", "t"): 6.9555, ("top_displacement", "mm"): 7.7, ("system_period", "h"): 2.0,
+            ("rotation", "deg"): np.degrees(0.0744), ("rotation", "mrad"): 74.4}  # fmt: skip
+    for (name, unit), mean in told.items():
+        theirs = row(tmp_path / "p.csv", f"T,x,{name},,,2.0,{unit},")
+        assert report.ours(data, theirs).mean == pytest.approx(mean)
+        assert theirs.scale * mean == pytest.approx(numbers[name])
+
+
+def test_a_unit_goes_by_the_axis_where_some_slide_and_some_turn(tmp_path):
+    """The first, where the selection names none."""
+    data = xr.Dataset({"motion": (("axis", "seed"), [[0.5], [0.1]])}, coords={"axis": ["surge", "yaw"], "seed": [0]})
+    for selection, unit, mean in (("axis=yaw", "deg", np.degrees(0.1)), ("axis=surge", "mm", 500.0), ("", "m", 0.5)):
+        theirs = row(tmp_path / "p.csv", f"T,x,motion,{selection},,2.0,{unit},")
+        assert report.ours(data, theirs).mean == pytest.approx(mean) and not report.strange(data, [theirs])
+    turned = row(tmp_path / "p.csv", "T,x,motion,,,2.0,deg,")
+    assert report.ours(data, turned) is None
+    assert report.strange(data, [turned]) == [
+        "p.csv: row 1 = 'x': unit = 'deg': must be that of the axis that the selection names, of m, rad"
+    ]
+    with pytest.raises(StudyError, match=r"unit = 'm': must be that of motion: rad, with k, M, G, m before rad, deg"):
+        row(tmp_path / "p.csv", "T,x,motion,axis=yaw,,2.0,m,")
+
+
+def test_words_that_no_dataset_has_are_refused_all_at_once(tmp_path):
+    lines = [
+        "T,a,absorbedpower,,mean,2.0,kW,",
+        "T,b,absorbed_power,,average,2.0,kW,",
+        "T,c,mass,,,2.0,lb,",
+        "T,d,status,,,2.0,,",
+        "T,e,rotation,platform=floating,-min,2.0,rad,",
+        "T,f,mass_found,,,2.0,kg,",
+        "T,g,rotation_response_phase,,,2.0,deg,",
+    ]
+    with pytest.raises(StudyError) as refused:
+        row(tmp_path / "p.csv", "\n".join(lines))
+    assert [text.partition("p.csv: ")[2] for text in refused.value.problems] == [
+        "row 1 = 'a': variable = 'absorbedpower': must be an output with numbers: absorbed_power?",
+        "row 2 = 'b': statistic = 'average': must be max, min, mean, rms, std, or one with - before it",
+        "row 3 = 'c': unit = 'lb': must be that of mass: kg, with t or g for kg",
+        "row 4 = 'd': variable = 'status': must be an output with numbers",
+        "row 5 = 'e': selection platform = 'floating': must be elastic, fixed, elastic-no-floats",
+    ]
+    assert report.STATISTICS == STATISTICS
+
+
+def test_labels_that_the_study_lacks_are_named(data, tmp_path):
+    """But for seas and platforms of another study, and what is not known before all tasks have run."""
+    data = data.assign(status=(("platform", "seed"), [["done"] * 3]), task=(("platform", "seed"), [[*"abc"]]))
+    said = {
+        "float=fornt": "selection float = fornt: must be front, rear",
+        "float=front+raer": "selection float = raer: must be front, rear",
+        "leg=1": "selection leg = 1: must be left out: absorbed_power has platform, float, seed",
+        "seed=7": "selection seed = 7: must be 0, 1, 2",
+        "sea_state=rough;float=fornt": "",
+        "platform=elastic;float=fornt": "",
+        "float=rear": "",
+    }
+    for selection, words in said.items():
+        theirs = row(tmp_path / "p.csv", f"T,power,absorbed_power,{selection},,2.0,kW,")
+        assert report.strange(data, [theirs]) == ([f"p.csv: row 1 = 'power': {words}"] if words else [])
+        begun = data.assign(status=data.status.where(data.seed < 2, "missing"))
+        inner = words if "seed" in words or "left out" in words else ""
+        assert [text[24:] for text in report.strange(begun, [theirs])] == ([inner] if inner else [])
+    other = row(tmp_path / "p.csv", "T,top,top_displacement,,,2.0,mm,")
+    assert report.strange(data, [other]) == [
+        "p.csv: row 1 = 'top': variable = top_displacement: is no output of this study"
+    ]
+    assert not report.strange(begun, [other])
+    console = Console(record=True, width=80)
+    report.print_tables(data, [other], console)
+    assert "is no output of this study" in console.export_text()
+
+
+def test_means_say_where_realizations_failed(data, tmp_path):
+    """A regular sea has one, whatever the seed; what has not run has not failed."""
+    power = data.absorbed_power.where(data.seed < 2)
+    status = xr.DataArray([["done", "done", "failed"]], dims=("platform", "seed"))
+    failed = data.assign(absorbed_power=power, status=status, task=(("platform", "seed"), [[*"abc"]]))
+    theirs = row(tmp_path / "p.csv", "T,power,absorbed_power,float=front+rear,,2.0,kW,")
+    for changed, words, mean in (
+        (failed, "2, 1 failed", 3.0),
+        (failed.assign(status=status.where(status == "done", "missing")), "2", 3.0),
+        (failed.assign(task=(("platform", "seed"), [[*"aaa"]])), "1", 2.5),
+        (data, "3", 3.5),
+    ):
+        mine = report.ours(changed, theirs)
+        assert (mine.realizations, mine.mean) == (words, mean)
+        assert report.line(theirs, mine)[-1] == words
+    both = xr.concat([failed, data.assign(failed[["status", "task"]])], "thickness").assign_coords(thickness=[1, 2])
+    theirs = row(tmp_path / "p.csv", "T,power,absorbed_power,float=front;thickness=1+2,,2.0,kW,")
+    assert report.ours(both, theirs).realizations == "3, 1 failed"
+    console = Console(record=True, width=40)
+    report.print_tables(both, [theirs], console)
+    assert "3, 1 failed" in console.export_text()
 
 
 def test_published_numbers_of_the_project_name_known_variables():
