@@ -22,8 +22,8 @@ PART = re.compile(r"(?P<name>[^\s\d-]+|-|1)(?P<power>-?\d+)?")  # of a unit: s-1
 def factor(symbol: str, own: str) -> float | None:
     """How many of a dataset's unit one of another is; None where they are not of one kind, part by part."""
     parts, owns = _parts(symbol), own.split()
-    each = [_of_part(*pair) for pair in zip(parts, owns, strict=False)]
-    return math.prod(each) if len(parts) == len(owns) and None not in each else None
+    each = [size for pair in zip(parts, owns, strict=False) if (size := _of_part(*pair)) is not None]
+    return math.prod(each) if len(parts) == len(owns) == len(each) else None
 
 
 def allowed(own: str) -> str:
