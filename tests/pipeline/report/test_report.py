@@ -142,6 +142,7 @@ def test_bad_rows_are_named(tmp_path):
         ("mm/s2", "m s-2", 1e-3),
         ("mm2", "m2", 1e-6),
         ("m", "m2", None),
+        ("m s", "m", None),
         ("(N m)2", "(N m)2", 1.0),
         ("%", "1", 0.01),
         ("", "1", 1.0),
