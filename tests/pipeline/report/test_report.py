@@ -8,6 +8,8 @@ import pytest
 import xarray as xr
 from rich.console import Console
 
+from pipeline.bridge.loading import load
+from pipeline.cli import actions
 from pipeline.report import report, units
 from pipeline.report.yearly import texts
 from pipeline.results.variables import VARIABLES
@@ -138,11 +140,11 @@ def test_bad_rows_are_named(tmp_path):
         ("MN m", "N m", 1e6),
         ("MNm", "N m", None),
         ("N", "N m", None),
+        ("kN m", "N", None),
         ("kN/m2", "N m-2", 1e3),
         ("mm/s2", "m s-2", 1e-3),
         ("mm2", "m2", 1e-6),
         ("m", "m2", None),
-        ("m s", "m", None),
         ("(N m)2", "(N m)2", 1.0),
         ("%", "1", 0.01),
         ("", "1", 1.0),
@@ -201,6 +203,15 @@ def test_words_that_no_dataset_has_are_refused_all_at_once(tmp_path):
         "row 5 = 'e': selection platform = 'floating': must be elastic, fixed, elastic-no-floats",
     ]
     assert report.STATISTICS == STATISTICS
+
+
+def test_a_bad_unit_is_refused_before_anything_runs(small, tmp_path):
+    study = load(small)
+    (tmp_path / "small-published.csv").write_text(f"{HEAD}\nT,deep,hinge_force,,max,2.0,tf,\n")
+    with pytest.raises(
+        StudyError, match="row 1 = 'deep': unit = 'tf': must be that of hinge_force: N, with k, M, G, m"
+    ):
+        actions.preflight(study, study.tasks)
 
 
 def test_labels_that_the_study_lacks_are_named(data, tmp_path):
