@@ -495,7 +495,7 @@ def test_a_run_says_that_it_compiles(cli, tmp_path, monkeypatch):
         ("[[floats]]\nname = 'front'\nend_stops = { lower = -0.9, upper = 0.9, stiffness = 1e7 }", True),
         ("[axes]\n'floats.front.coulomb' = [0.0, 1e3]", True),
         ("[solver]\nmethod = 'frequency'\n[axes]\n'floats.front.coulomb' = [0.0, 1e3]", False),
-        ("[axes]\n'floats.front.coulomb' = [0.0, 1e3]\n'solver.method' = ['time', 'frequency']", True),
+        ("[solver]\nmethod = 'frequency'\n[axes]\n'floats.front.coulomb' = [1e3]\n'solver.method' = ['time']", True),
     ],
 )
 def test_kernels_of_laws_that_bend_are_told_apart(small, tmp_path, monkeypatch, more, bends):
