@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 AT = {"damage": "foot", "damage_top": "top"}  # of the legs, by variable
 HEADER = ("", "where", "damage a year", "low", "high", "life [years]", "low", "high", "realizations")
 NOTE = (
-    f"Mean damage over realizations and sea states, these by their occurrence; low and high: {LEVEL:.0%} by Student's t"
-    " of the realizations' damage. With one realization there are none. Life is 1/damage, of the fibre with the most."
+    f"; low and high: {LEVEL:.0%} by Student's t of the realizations' damage. With one realization there are none. Life"
+    " is 1/damage, of the fibre with the most."
 )
 
 
@@ -62,7 +62,9 @@ def table(data: xr.Dataset) -> Table:
     """Of a study that reckons damage."""
     data = weighed(data)
     lines = list(rows(data))
-    return Table("Fatigue", HEADER, lines, NOTE + of_part(data) + of_survivors(lines))
+    seas = "these by their occurrence" if "occurrence" in data.coords else "all of which count alike"
+    note = f"Mean damage over realizations and sea states, {seas}{NOTE}"
+    return Table("Fatigue", HEADER, lines, note + of_part(data) + of_survivors(lines))
 
 
 def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
