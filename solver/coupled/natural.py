@@ -191,14 +191,15 @@ def require_stable(system: System) -> None:
     where they rest beyond a bound.
     """
     nc, joints = system.structure.carrier.shape[0], system.joints_at_rest
-    for name, at, (low, high) in zip(_joints(system.scene), joints, system.bodies.limit[nc:], strict=True):
-        if not low < at < high:
-            remedy = "check its mass and centre of gravity (cog), or hold it by stiffness or a preload"
-            if slides(name.rpartition(" ")[2]):
-                remedy = 'place it where it rests, hold it by a stiffer spring, or set froude_krylov = "linear"'
-            raise SimulationFailed(
-                f"{name} rests at {at:+.2f} in still water, beyond {low:+.2f} to {high:+.2f}: {remedy}"
-            )
+    if (first := limits.beyond(system.scene, joints, system.bodies.limit)) is not None:
+        j, item, axis = first
+        low, high = system.bodies.limit[nc + j]
+        remedy = "check its mass and centre of gravity (cog), or hold it by stiffness or a preload"
+        if slides(axis):
+            remedy = 'place it where it rests, hold it by a stiffer spring, or set froude_krylov = "linear"'
+        raise SimulationFailed(
+            f"{item.name} {axis} rests at {joints[j]:+.2f} in still water, beyond {low:+.2f} to {high:+.2f}: {remedy}"
+        )
     if over := limits.overturned(system.scene, joints):
         raise SimulationFailed(f"{over}, where it rests in still water: check its mass and centre of gravity (cog)")
     for f, up, share in heaved(system.scene, joints):
@@ -237,7 +238,7 @@ def require_stable(system: System) -> None:
 def require_upright(system: System) -> None:
     """Refuse offsets from rest, as known here, with which a run would end where it begins."""
     scene, rest, bounds = system.scene, system.joints_at_rest, system.bodies.limit
-    offsets = np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in scene.floats)])
+    offsets = scene.offsets
     if not offsets.any():
         return
     if (first := limits.beyond(scene, rest + offsets, bounds)) is not None:
@@ -284,7 +285,7 @@ def _swinging(system: System, modes: SystemModes) -> np.ndarray:
     """Periods (m,) of the shapes that a scene let go from its offsets swings in."""
     model, nm = linear_model(system), system.structure.omega.size
     start = np.zeros(len(model.mass))
-    start[nm:] = np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in system.scene.floats)])
+    start[nm:] = system.scene.offsets
     reach = np.abs(modes.shapes * model.length[:, None]).max(axis=0, initial=0.0)
     reach *= np.abs(modes.shapes.T @ model.mass @ start)
     return modes.period[(reach >= MOVES * reach.max(initial=0.0)) & (reach > 0)]

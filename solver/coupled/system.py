@@ -167,7 +167,7 @@ class System:
         body, nm = self.bodies, self.structure.omega.size
         nz, nc = body.mechanism.size, self.structure.carrier.shape[0]
         z, p = (part.copy() for part in self.equilibrium)
-        z[nc:] += np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.scene.floats)])
+        z[nc:] += self.scene.offsets
         s = self.scene.settings
         samples = self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form)
         first = self.drive(samples if self.still else samples + self.besides(np.zeros(1)))

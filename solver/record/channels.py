@@ -224,13 +224,12 @@ class Channels:
         for name, lines in outputs:
             shape, flat = lines.shape[1:], lines.reshape(len(lines), -1)
             ahead = self.ahead(name)
-            each = np.repeat(ahead, flat.shape[1] // max(len(ahead), 1))
 
-            def later(omega: np.ndarray, each: np.ndarray = each) -> np.ndarray:
-                k = wavenumbers(omega, water.depth, water.gravity)
-                return np.exp(1j * np.outer(k, each))
+            def later(omega: np.ndarray, ahead: np.ndarray = ahead, m: int = flat.shape[1]) -> np.ndarray:
+                phase = np.exp(1j * np.outer(wavenumbers(omega, water.depth, water.gravity), ahead))
+                return np.repeat(phase, m // len(ahead), axis=1)
 
-            response = cross_spectra(omega, wave, flat, at, later)
+            response = cross_spectra(omega, wave, flat, at, later if ahead.any() else None)
             parts = {"spectrum": response.density}
             if name != ELEVATION:
                 H = response.transfer

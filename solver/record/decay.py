@@ -67,7 +67,7 @@ class _Span(NamedTuple):
 def offsets(system: System) -> np.ndarray:
     """x₀ (n,), where the motions start."""
     start = np.zeros(len(linear_model(system).mass))
-    start[system.structure.omega.size :] = np.concatenate([f.per_axis("offset") for f in system.scene.floats])
+    start[system.structure.omega.size :] = system.scene.offsets
     return start
 
 
@@ -96,7 +96,7 @@ def _exact(system: System, h: Hydrodynamics) -> "tuple[_Decay, _Span]":
 def died(channels: Channels, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
     """A sentence where of a decay less than LEFT of every offset swings in the record of statistics (…, 5)."""
     floats = channels.scene.floats
-    start = channels.by_axis(np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in floats)])[None])[0]
+    start = channels.by_axis(channels.scene.offsets[None])[0]
     if channels.scene.sea.amplitude.any() or not np.nan_to_num(start).any():
         return
     moved = tables["motion"] if "motion" in tables else tables["rotation"][:, None]

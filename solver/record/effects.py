@@ -31,26 +31,27 @@ def together(errors: Iterable[float]) -> float:
     return float(np.sqrt(sum(error**2 for error in errors)))
 
 
-def coefficient_effects(system: System, h: Hydrodynamics | None) -> tuple[float, float]:
+def coefficient_effects(
+    system: System, h: Hydrodynamics | None, transfer: decay.Transfer | None = None
+) -> tuple[float, float]:
     """What the memory's misfit and the boundary elements' mesh do to the linear response's std and mean power.
 
     And to the joints' forces. In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place
     of the coefficients'; and with coefficients off by their estimated error, see `cancelled`. The memory's counts what
-    its misfit does below the waves, too, see `slow`.
+    its misfit does below the waves, too, see `slow`. transfer: Y of a memory that is not the system's fit, about the
+    same added mass.
     """
-    return (0.0, 0.0) if h is None else (memory_effect(system, h), _mesh_effect(system, h))
+    return (0.0, 0.0) if h is None else (memory_effect(system, h, transfer=transfer), _mesh_effect(system, h))
 
 
 def memory_effect(
     system: System, h: Hydrodynamics, slow_share: float = 1.0, transfer: decay.Transfer | None = None
 ) -> float:
-    """The first of `coefficient_effects`; slow_share: of a motion's variance, what is slower than the waves.
-
-    transfer: Y of the memory where that is not the system's fit, about the same added mass.
-    """
-    transfer = system.fit.frequency if transfer is None and system.fit is not None else transfer
+    """The first of `coefficient_effects`; slow_share: of a motion's variance, what is slower than the waves."""
     if transfer is None:
-        return 0.0
+        if system.fit is None:
+            return 0.0
+        transfer = system.fit.frequency
     if not system.scene.sea.amplitude.any():
         return decay.by_memory(system, h, transfer)
     misfit = _exact(system, h).change(h, transfer(system.scene.sea.omega))

@@ -87,11 +87,10 @@ def unradiated(system: System, h: Hydrodynamics | None, shapes: np.ndarray) -> n
     return np.asarray(np.einsum("mi,ij,mj->m", shapes, D, shapes))
 
 
-def slow_effect(system: System, h: Hydrodynamics, transfer: Transfer | None = None) -> float:
-    """The largest relative change of such a shape's std by the memory's misfit, the fit's or another's."""
+def slow_effect(system: System, h: Hydrodynamics, transfer: Transfer) -> float:
+    """The largest relative change of such a shape's std by the misfit of a memory's Y."""
     shapes = slow(system, h)
-    transfer = system.fit.frequency if transfer is None and system.fit is not None else transfer
-    if transfer is None or not shapes.omega.size:
+    if not shapes.omega.size:
         return 0.0
     misfit = _of(transfer(shapes.omega) - extended(system, h, shapes.omega), shapes.moved)
     damped, shifted = _in_record(system, shapes)

@@ -30,8 +30,8 @@ from solver.oddities import met, warnings
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
 from solver.record.channels import Record
-from solver.record.decay import died
-from solver.record.effects import coefficient_effects, memory_effect, shapes_effect, together
+from solver.record.decay import Transfer, died
+from solver.record.effects import coefficient_effects, shapes_effect, together
 from solver.record.elements import elements_effect
 from solver.record.probe import PROBE, probed, statistics_error
 from solver.record.recorder import Recorder
@@ -330,23 +330,27 @@ def _probe_steps(case: Case) -> int:
     return max(1, int(min(PROBE * case.scene.usual_step / case.system.dt, case.steps / 4)))
 
 
+def _by_damping(system: System, h: Hydrodynamics | None) -> Transfer | None:
+    """Y of eq. 14's kernel about the system's added mass, where that is the memory."""
+    s = system.scene.settings
+    if h is None or not s.radiation or s.memory != "convolution":
+        return None
+    kernel, apart = CosineTransform.of(h), h.added_mass_inf - system.bodies.added_mass
+    return lambda w: kernel.frequency(w) - 1j * np.multiply.outer(w, apart)
+
+
 def _errors(
     case: Case, h: Hydrodynamics | None, probe: Recorder, options: dict[str, Any], tolerance: float
 ) -> dict[str, float]:
     """Estimated errors of the step, by a run with half of it, and of the BEM."""
-    s, order = case.scene.settings, 2 * options["stages"] - 2
+    order = 2 * options["stages"] - 2
     short = replace(probed(case.scene, _probe_steps(case)).settings, time_step=case.system.dt / 2)
     half = _case(replace(case.scene, settings=short), h, **options)
     finer, every = Recorder(probe.scene, half.system.support, layout=half.system.layout), slice(1, None, 2)
     for times, output, waves, *_ in _blocks(half, _march(half, tolerance)):
         finer.add(times[every], output.thinned(), waves[every])
     step = statistics_error(case.system, probe.scene, expected_error, probe.samples(), finer.samples())
-    memory, mesh = coefficient_effects(case.system, h)
-    if s.memory == "convolution" and s.radiation and h is not None:
-        kernel, apart = CosineTransform.of(h), h.added_mass_inf - case.system.bodies.added_mass
-        memory = memory_effect(
-            case.system, h, transfer=lambda w: kernel.frequency(w) - 1j * np.multiply.outer(w, apart)
-        )
+    memory, mesh = coefficient_effects(case.system, h, _by_damping(case.system, h))
     parts = {
         "discretization_error": step / (1 - 0.5**order),
         "memory_effect": memory,

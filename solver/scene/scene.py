@@ -236,6 +236,11 @@ class Scene:
         """The floats by what water they share: all of them the same, or without interaction each its own."""
         return (self.floats,) if self.settings.interaction else tuple((f,) for f in self.floats)
 
+    @property
+    def offsets(self) -> np.ndarray:
+        """(nj,) of all floats' axes, from their rest [m or rad]."""
+        return np.concatenate([np.zeros(0), *(f.per_axis("offset") for f in self.floats)])
+
     def has_gap(self, width: float) -> bool:
         """Whether water at rest has a gap between floats, or a well, in which no circle of that diameter [m] fits."""
         hulls = [([f.hull for f in group], np.array([f.centre for f in group])) for group in self.sharing]

@@ -88,6 +88,10 @@ def soft(stiffness, damping, seed=1, **settings):
     return given(replace(item, floats=(body,)), soft_known(), **settings)
 
 
+def by_fit(system, h):
+    return slow_effect(system, h, system.fit.frequency)
+
+
 def given(item, h, **settings):
     return replace(item, settings=replace(item.settings, **settings)), h
 
@@ -103,7 +107,7 @@ def test_what_a_poor_memory_changes_below_the_waves_is_told(build, poor):
         item, h = given(*build(), memory_tolerance=tolerance)
         record = simulate(item, h)
         std.append(record.variables["motion"][1].reshape(-1, 5)[:, 4])
-        told.append(slow_effect(prepare(item, h), h))
+        told.append(by_fit(prepare(item, h), h))
         assert record.attrs["memory_effect"] >= told[-1] / 2  # of what is slow in the record, nearly all of its surge
     good, bad = told
     assert bad > 5 * good
@@ -122,7 +126,7 @@ def test_what_a_poor_memory_changes_of_what_hardly_dies_is_told(stiffness, dampi
         exact, poor = (run.variables["motion"][1].reshape(-1, 5)[0, 4] for run in runs)
         off.append(poor / exact - 1)
     item, h = soft(stiffness, damping, memory_tolerance=0.03)
-    true, told = np.sqrt(np.mean(np.square(off))), slow_effect(prepare(item, h), h)
+    true, told = np.sqrt(np.mean(np.square(off))), by_fit(prepare(item, h), h)
     assert true / 3 < told < 4 * true
 
 
@@ -133,7 +137,7 @@ def test_slow_motions_count_by_their_share_of_the_record():
     exact, poor = (simulate(*given(low, h, memory_tolerance=each)) for each in (3e-4, 0.03))
     std = [run.variables["motion"][1].reshape(-1, 5)[0, 4] for run in (exact, poor)]
     told = poor.attrs["memory_effect"]
-    assert told < slow_effect(prepare(*given(low, h, memory_tolerance=0.03)), h) / 3
+    assert told < by_fit(prepare(*given(low, h, memory_tolerance=0.03)), h) / 3
     assert told / 2 < abs(std[1] / std[0] - 1) < 2 * told
 
 
@@ -190,7 +194,7 @@ def test_a_memory_fitted_again_leaves_slow_motions_as_they_were():
     usual, fitted = prepare(item, h), refit.prepared(item, h)
     assert fitted.fit is not usual.fit
     assert coefficient_effects(fitted, h)[0] <= coefficient_effects(usual, h)[0]
-    assert slow_effect(fitted, h) < max(slow_effect(usual, h), refit.SWAYED)
+    assert by_fit(fitted, h) < max(by_fit(usual, h), refit.SWAYED)
     exact, _ = given(item, h, memory_tolerance=3e-4)
     std = [simulate(each, h).variables["motion"][1].reshape(-1, 5)[0, 4] for each in (exact, item)]
     assert std[1] == approx(std[0], rel=refit.SWAYED)
@@ -246,7 +250,7 @@ def test_only_what_is_driven_below_waves_and_rings_there_is_slow():
     ]  # fmt: skip
     assert slow(prepare(item, h), h).omega.size == 1
     for other in others:
-        assert slow(prepare(other, h), h).omega.size == 0 and slow_effect(prepare(other, h), h) == 0
+        assert slow(prepare(other, h), h).omega.size == 0 and by_fit(prepare(other, h), h) == 0
     braked_by_square = replace(body, quadratic_damping=(1e3, 0, 0))
     bent = replace(body, coulomb=(100.0, 0, 0))
     for driven in (braked_by_square, bent):

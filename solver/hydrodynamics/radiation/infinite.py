@@ -112,26 +112,39 @@ def _fitted(A: np.ndarray, by: np.ndarray, *others: np.ndarray) -> tuple[float, 
 
 
 def _band(omega: np.ndarray, A: np.ndarray, B: np.ndarray, above: float = 0.0, powers: tuple[float, ...] = ()) -> _Band:
-    """Of A, B (nw, m). B is a spline from B(0) = 0 through the samples."""
-    inner = np.linspace(0, omega[-1], NODES)
-    outer = omega[-1] * np.geomspace(1, FARTHEST, TAIL)[1:]
-    quarter = len(omega) * 3 // 4
-    fall = np.log(np.maximum(np.abs(B[quarter]), 1e-300) / np.maximum(np.abs(B[-1]), 1e-300))
-    fall = np.clip(fall / np.log(omega[-1] / omega[quarter]), *FALL)
-    within = CubicSpline(np.concatenate([[0.0], omega]), np.vstack([0 * B[:1], B]))(inner)
+    """Of A, B (nw, m)."""
+    s, whole = continued(omega, B, nodes=NODES, tail=TAIL, farthest=FARTHEST)
+    inner, outer = s[:NODES], s[NODES:]
     # Half-way between nodes, where the principal value of a straight piece is its logarithms.
     at = (inner[1:] + inner[:-1]) / 2
     low, high = omega[0] + np.multiply((above, WITHIN), omega[-1] - omega[0])
     at = at[(at >= low) & (at <= high)]
-    weights = 2 / np.pi * principal(np.concatenate([inner, outer]), at)
+    weights = 2 / np.pi * principal(s, at)
     near, far = weights[:, :NODES], weights[:, NODES:]
     return _Band(
         at[:, None] / omega[-1],
         CubicSpline(omega, A)(at),
-        near @ within,
-        far @ (B[-1] * (omega[-1] / outer[:, None]) ** fall),
+        near @ whole[:NODES],
+        far @ whole[NODES:],
         far @ (omega[-1] / outer[:, None]) ** np.array(powers),
     )
+
+
+def continued(
+    omega: np.ndarray, B: np.ndarray, *, nodes: int, tail: int, farthest: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points s (m,), `nodes` of them within the band, and B (nw, n) there (m, n).
+
+    It is a spline from B(0) = 0 through the samples, and goes on as a power of ω up to `farthest` times the band's end,
+    as its last quarter falls off, within FALL.
+    """
+    inner = np.linspace(0, omega[-1], nodes)
+    outer = omega[-1] * np.geomspace(1, farthest, tail)[1:]
+    quarter = len(omega) * 3 // 4
+    fall = np.log(np.maximum(np.abs(B[quarter]), 1e-300) / np.maximum(np.abs(B[-1]), 1e-300))
+    fall = np.clip(fall / np.log(omega[-1] / omega[quarter]), *FALL)
+    within = CubicSpline(np.concatenate([[0.0], omega]), np.vstack([0 * B[:1], B]))(inner)
+    return np.concatenate([inner, outer]), np.vstack([within, B[-1] * (omega[-1] / outer[:, None]) ** fall])
 
 
 def principal(s: np.ndarray, at: np.ndarray) -> np.ndarray:

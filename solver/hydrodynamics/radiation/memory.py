@@ -8,9 +8,8 @@ a positive semidefinite real part at every ω, or the fit would pump energy into
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
-from solver.hydrodynamics.radiation.infinite import principal
+from solver.hydrodynamics.radiation.infinite import continued, principal
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,11 +66,4 @@ def transfer(omega: np.ndarray, radiation_damping: np.ndarray, at: np.ndarray) -
 
 def _continued(omega: np.ndarray, radiation_damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Close points (m,) and B there, entry by entry (m, n)."""
-    flat = radiation_damping.reshape(len(omega), -1)
-    inner = np.linspace(0, omega[-1], 4001)
-    spline = CubicSpline(np.concatenate([[0.0], omega]), np.vstack([0 * flat[:1], flat]))
-    quarter = len(omega) * 3 // 4
-    fall = np.log(np.maximum(np.abs(flat[quarter]), 1e-300) / np.maximum(np.abs(flat[-1]), 1e-300))
-    power = np.clip(fall / np.log(omega[-1] / omega[quarter]), 2.0, 12.0)
-    outer = omega[-1] * np.geomspace(1, 1e3, 2001)[1:]
-    return np.concatenate([inner, outer]), np.vstack([spline(inner), flat[-1] * (omega[-1] / outer[:, None]) ** power])
+    return continued(omega, radiation_damping.reshape(len(omega), -1), nodes=4001, tail=2001, farthest=1e3)
