@@ -11,7 +11,6 @@ from solver.multibody.bodies import (
     Bodies,
     Coordinates,
     Loads,
-    Motion,
     PressureRoom,
     WaterLoads,
     new_motion,
@@ -53,21 +52,16 @@ def balance(
     excitation = np.zeros((nb, 6)) if excitation is None else excitation
     water = WaterLoads(pressure=np.empty((nb, 6)), since=np.zeros(nz), excitation=excitation, memory=np.zeros(na))
     out = Loads(np.empty(at.z.shape), *np.empty((2, many, nb, 6)))
-    _balances(body, at, new_motion(body), field, pressure_room(body), water, out)
+    _balances(body, at, field, pressure_room(body), water, out)
     return out.residual.reshape(z.shape), out.wrench.reshape(*z.shape[:-1], nb, 6)
 
 
 @whole_lean_kernel
 def _balances(
-    body: Bodies,
-    states: Coordinates,
-    motion: Motion,
-    field: np.ndarray,
-    room: PressureRoom,
-    water: WaterLoads,
-    out: Loads,
+    body: Bodies, states: Coordinates, field: np.ndarray, room: PressureRoom, water: WaterLoads, out: Loads
 ) -> None:
-    """Fill `out` (m, ...) at states (m, nz); motion, room, water.pressure and the states' zones are scratch."""
+    """Fill `out` (m, ...) at states (m, nz); room, water.pressure and the states' zones are scratch."""
+    motion = new_motion(body)
     for i in range(len(states.z)):
         move(body, states.z[i], states.dz[i], motion)
         pressures(body, motion, field, room, water.pressure)

@@ -85,7 +85,7 @@ class Support:
     thrust: np.ndarray  # (3, nm) force on the ground along x, y, z for unit -q̈ [kg^½]
     unswung: float  # of all that these move, what they set swinging of modes that are not kept
     legs: Legs | None
-    within: tuple[float, float]  # what its worst elements leave out, [-] and over ω² [s²]: see _within
+    within: tuple[float, float, float]  # what its worst elements leave out, [-], over ω² [s²], [-]: see _within
     nodes: tuple[str, ...]  # nn of the frame whose accelerations are asked for
     node_shapes: np.ndarray  # (nm, nn, 3) their displacement
     judged: np.ndarray  # (nm, k, 3) displacement of nodes by which a run is judged where no legs are said
@@ -273,8 +273,8 @@ def _patterns(
 
 
 @lru_cache(maxsize=KNOWN)
-def _within(model: FrameModel, density: float) -> tuple[float, float]:
-    """What the worst elements leave out by soil [-] and by inertia [s²], see `structure.fineness`."""
+def _within(model: FrameModel, density: float) -> tuple[float, float, float]:
+    """What the worst elements leave out by soil [-], inertia [s²] and taper [-], see `structure.fineness`."""
     soil, by_inertia, by_soil = model.frame.soil, 0.0, 0.0
     for e, (section, L) in enumerate(zip(model.sections, model.length, strict=True)):
         member = model.member_of(e)
@@ -282,7 +282,7 @@ def _within(model: FrameModel, density: float) -> tuple[float, float]:
         if soil is not None:
             for _, _, stiffness in soil.points(model.ends[e]):
                 by_soil = max(by_soil, fineness.by_soil(member, section, L, stiffness))
-    return by_soil, by_inertia
+    return by_soil, by_inertia, max(map(fineness.by_taper, model.frame.members), default=0.0)
 
 
 @lru_cache(maxsize=KNOWN)

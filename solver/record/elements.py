@@ -20,7 +20,6 @@ from solver.record.response import carried, in_waves
 from solver.record.steel import Steel
 from solver.scene import Scene, Settings
 from solver.structure import modes as natural
-from solver.structure.fineness import by_taper
 
 FINE = 1e-5  # elements that leave out less of a mode's energy are not looked at again
 SMALL = 0.1  # of the largest std of its kind: what is less is not judged
@@ -39,8 +38,7 @@ def elements_effect(
     fastest = max([*scene.sea.omega[waves], *swung], default=0.0)
     if scene.platform is None or support is None or fastest == 0.0:
         return 0.0
-    still, moving = support.within
-    taper = max((by_taper(member) for member in scene.platform.frame.members), default=0.0)
+    still, moving, taper = support.within
     rough = float(still + moving * fastest**2 + taper)
     if rough < FINE:
         return rough
