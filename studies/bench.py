@@ -38,7 +38,7 @@ def main() -> int:
     sizes = scaling.measure()
     scaling.picture(sizes)
     print(knobs.HEADER)
-    rows = knobs.vary("elastic")
+    rows = knobs.vary()
     for platform in ("fixed", "elastic"):
         knobs.steps(platform)
     estimates.table()

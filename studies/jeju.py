@@ -64,7 +64,7 @@ def by_period(data: xr.Dataset) -> xr.Dataset:
 
 
 def table(data: xr.Dataset) -> str:
-    """Mean power, capture width over the rotors' width, and q of every sea and damping."""
+    """Mean power, capture width over the rotors' width, and q of every sea with rotors in all variants, and damping."""
     power, q = mean_power(data), q_factor(data)
     lines = [f"{'sea':15}{'damping':>9}  " + "".join(f"{name:>23}" for name in ("six single", *ARRAYS))]
     lines.append(f"{'':15}{'MN m s':>9}  " + "".join(f"{'kW':>9}{'width':>7}{'q':>7}" for _ in range(1 + len(ARRAYS))))

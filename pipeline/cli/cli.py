@@ -7,6 +7,7 @@ import json
 import sys
 import time
 from collections import Counter
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -341,11 +342,12 @@ def clean(
     """List, or with --orphans remove, results that belong to no task of the study."""
     _, tasks, store = _open(study_file, results)
     known = {name for task in tasks.passing() for name in (task.id, *task.older_ids)}
-    strays = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
-    strays += store.packs.strays(known)
-    for folder in strays:
-        labels = read_status(folder / "status.json").labels
-        say(f"{'removed' if orphans else 'orphan'}: {folder.name} {labels or ''}")
-        if orphans:
-            remove(folder)
+    with store.lock(lambda text: say(text, err)) if orphans else nullcontext():  # a run's new files look like strays
+        strays = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
+        strays += store.packs.strays(known)
+        for folder in strays:
+            labels = read_status(folder / "status.json").labels
+            say(f"{'removed' if orphans else 'orphan'}: {folder.name} {labels or ''}")
+            if orphans:
+                remove(folder)
     say(f"{len(strays)} orphans")

@@ -1,4 +1,4 @@
-"""How long a run will take, from runs that were, or at the rates that README gives."""
+"""How long a run will take, from runs that were, or at rates of Buan's case."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pipeline.terminal import about
 SAMPLE = 200  # tasks of other studies looked at
 KEPT = 10_000  # tasks of a kind whose times are known, the last ones
 SOLUTIONS = 20  # whose times are reckoned; others take as long in the mean
-# Of Buan on one idle core, where nothing is known of this machine and study.
+# Of Buan, on the safe side, where nothing is known of this machine and study.
 REAL_TIME = 3600  # simulated seconds in a second, elastic platform
 SLOWER = 1600  # times as long takes the paper's own method
 A_TASK = 0.01  # s in the frequency domain, however long the record

@@ -44,7 +44,7 @@ class Measure(NamedTuple):
 POWER, FORCE = "absorbed_power", "hinge_force"
 ROTATION = Measure("rotation", "rotation", "rms", "RMS rotation [rad]", 1.0)
 AUDIT = (
-    ("energy_residual", "energy residual [share of wave work]"),
+    ("energy_residual", "energy residual [share of the largest energy exchanged]"),
     ("estimated_error", "estimated error of any mean, rms or std [relative]"),
     ("wall_time", "wall time of a task [s]"),
 )

@@ -8,6 +8,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -58,7 +59,7 @@ class Published:
     @property
     def rounding(self) -> float:
         """Half a unit of the last printed digit."""
-        return 0.5 * 10.0 ** -len(self.text.partition(".")[2])
+        return 0.5 * 10.0 ** int(Decimal(self.text).as_tuple().exponent)
 
     @property
     def own(self) -> list[str]:
@@ -86,8 +87,8 @@ class Ours:
         """Whether the published number, as one realization more, falls into the range; empty if too few tell."""
         if self.count < ENOUGH or self.low == self.high:
             return ""
-        below, above = published.value + published.rounding, published.value - published.rounding
-        return "inside" if below >= self.low and above <= self.high else "outside"
+        near = self.low - published.rounding <= published.value <= self.high + published.rounding
+        return "inside" if near else "outside"
 
     def said(self, published: Published) -> bool:
         """Whether the published number needs its sentence."""
@@ -96,7 +97,7 @@ class Ours:
 
     def off(self, published: Published) -> bool:
         """Whether it is more than a third away."""
-        return not abs(self.mean / published.value - 1) <= OFF
+        return not abs(self.mean - published.value) <= OFF * abs(published.value)
 
 
 def published(path: Path) -> list[Published]:
@@ -127,7 +128,9 @@ def _row(path: Path, number: int, row: dict[str, str]) -> Published:
 
 
 def _problems(row: Published) -> Iterator[str]:
-    """Words that no dataset has."""
+    """Words and numbers that no dataset has."""
+    if not math.isfinite(row.value):
+        yield f"value = {row.text}: must be finite"
     if not (known(row.variable) and row.own):
         close = difflib.get_close_matches(row.variable, [name for name, of in VARIABLES.items() if of.units], n=1)
         yield f"variable = {row.variable!r}: must be an output with numbers" + f": {''.join(close)}?" * bool(close)

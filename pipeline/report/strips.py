@@ -61,7 +61,7 @@ def _extremes(axes: Axes, results: Results, item: str, direction: str) -> None:
 
 
 def audit(results: Results) -> Figure | None:
-    """Energy residual, discretization error and wall time of every task."""
+    """Energy residual, estimated error and wall time of every task."""
     shown = [(name, words) for name, words in AUDIT if results.has(name)]
     if not shown:
         return None

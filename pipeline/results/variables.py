@@ -116,7 +116,7 @@ VARIABLES = {
     "work_frame_inertia": Meaning("J", "Work of wave inertia loads and load histories on the platform"),
     "work_frame_drag": Meaning("J", "Work of drag on the platform"),
     "work_structural": Meaning("J", "Work taken by structural damping"),
-    "energy_residual": Meaning("1", "Energy that the balance does not account for, as a share of the wave work"),
+    "energy_residual": Meaning("1", "What the energy balance is open by, over the largest energy exchanged"),
     "constraint_drift": Meaning("m", "Largest distance of a hinge from its place"),
     "constraint_drift_velocity": Meaning("m s-1", "Largest velocity at which a hinge leaves its place"),
     "constraint_drift_acceleration": Meaning("m s-2", "Largest acceleration at which a hinge leaves its place"),

@@ -1,6 +1,7 @@
 """The representative coupled case, and how its run time and error are measured."""
 
 import statistics
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,7 +12,7 @@ import numpy as np
 from pipeline.bridge import cache, scenes
 from pipeline.bridge.geometry import BEM_VERSION, bem_arguments, geometry_of
 from pipeline.bridge.loading import load
-from pipeline.tasks.task import Task, expand
+from pipeline.tasks.task import Task, digest, expand
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.channels import Record
@@ -40,15 +41,17 @@ def scene(platform: str, seed: int = 0) -> Scene:
 def coefficients(name: str = "default", **changed) -> tuple[Hydrodynamics, float]:
     """The pair's coefficients with BEM arguments `changed`, and the time they took [s]; kept in a file."""
     OUT.mkdir(parents=True, exist_ok=True)
-    file = OUT / f"bem-{name}-{BEM_VERSION}.nc"
+    arguments = bem_arguments(geometry_of(task("elastic").parameters)) | changed
+    with np.printoptions(threshold=sys.maxsize):
+        file = OUT / f"bem-{name}-{digest(repr(arguments), BEM_VERSION)}.nc"
     if file.exists():
         solution = cache.decode(file.read_bytes())
         return solution, float(file.with_suffix(".seconds").read_text())
     start = time.perf_counter()
-    solution = bem.solve(**(bem_arguments(geometry_of(task("elastic").parameters)) | changed))
+    solution = bem.solve(**arguments)
     seconds = time.perf_counter() - start
-    file.write_bytes(cache.encode(solution))
     file.with_suffix(".seconds").write_text(f"{seconds}")
+    file.write_bytes(cache.encode(solution))
     return solution, seconds
 
 

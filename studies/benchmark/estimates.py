@@ -113,7 +113,7 @@ def bent() -> list[float]:
 
 
 def told(record: Record) -> float:
-    """The record's estimate, but for the boundary elements' share."""
+    """The record's estimate of all that `FINE` makes better: without the shares of boundary elements and of samples."""
     return together(float(record.attrs[name]) for name in PARTS)
 
 

@@ -1,4 +1,4 @@
-"""What a step is made of; one float's pressure load both ways; the paper's method on the same seconds."""
+"""What a step is made of; one float's pressure load both ways; a task in the frequency domain; a memory's fit."""
 
 import itertools
 from collections.abc import Callable

@@ -60,6 +60,14 @@ def test_each_block_is_that_of_the_body_alone_in_its_place():
     assert h.mesh_error > 0 and not h.interacting
 
 
+def test_floats_alone_that_neither_radiate_nor_diffract_have_statics_and_froude_krylov_forces():
+    hulls, centres = (PILLAR, PILLAR), np.array([[-3.0, 1.0, 0], [5.0, -2.0, 0]])
+    bare, h = (bem.solve(hulls, centres, interaction=False, flow=flow, **RUN) for flow in (False, True))
+    assert not bare.radiation_damping.any() and bare.error is None and bare.mesh_error == 0
+    for name in ("froude_krylov", "hydrostatic_stiffness", "displaced_mass"):
+        assert np.array_equal(getattr(bare, name), getattr(h, name))
+
+
 @pytest.mark.slow
 def test_equal_hulls_are_solved_once_and_one_alone_as_ever(monkeypatch):
     solved, plain = [], bem._coefficients

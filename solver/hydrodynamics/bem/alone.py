@@ -21,13 +21,15 @@ def assembled(alone: Sequence[Hydrodynamics], centres: np.ndarray) -> Hydrodynam
     def waves(forces: Sequence[np.ndarray]) -> np.ndarray:
         return np.concatenate(forces, axis=-1) * arrival
 
-    errors = [h.error for h in alone if h.error is not None]  # of all: they are the boundary elements' own
-    error = MeshError(
-        added_mass=_blocks([e.added_mass for e in errors]),
-        radiation_damping=_blocks([e.radiation_damping for e in errors]),
-        added_mass_inf=_blocks([e.added_mass_inf for e in errors]),
-        diffraction=waves([e.diffraction for e in errors]),
-    )
+    errors = [h.error for h in alone if h.error is not None]  # of all that the boundary elements solve for, or of none
+    error = None
+    if errors:
+        error = MeshError(
+            added_mass=_blocks([e.added_mass for e in errors]),
+            radiation_damping=_blocks([e.radiation_damping for e in errors]),
+            added_mass_inf=_blocks([e.added_mass_inf for e in errors]),
+            diffraction=waves([e.diffraction for e in errors]),
+        )
     return replace(
         first,
         added_mass=_blocks([h.added_mass for h in alone]),
@@ -40,6 +42,7 @@ def assembled(alone: Sequence[Hydrodynamics], centres: np.ndarray) -> Hydrodynam
         buoyancy_centre=np.concatenate([h.buoyancy_centre for h in alone]),
         settings=MappingProxyType(_settings([h.settings for h in alone])),
         error=error,
+        far_field=None,  # each has its own, of which none is the whole's
     )
 
 
@@ -59,7 +62,7 @@ def _settings(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "panels": sum(s["panels"] for s in each),
         "panels_coarse": sum(s["panels_coarse"] for s in each),
         "method": "; ".join(dict.fromkeys(s["method"] for s in each)),
-        "seabed_error": max(s["seabed_error"] for s in each),
+        "seabed_error": max(s.get("seabed_error", 0.0) for s in each),
         "bodies": EACH_ALONE,
         **({"coarser": "; ".join(coarser)} if coarser else {}),
     }

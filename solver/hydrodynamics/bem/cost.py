@@ -26,7 +26,7 @@ def pace() -> float:
     """How many times as long as that this machine takes, beside all else that it does now: by factorizations."""
     matrix = np.eye(PROBE) + 1j * np.random.default_rng(0).random((PROBE, PROBE))
     clock = []
-    for _ in range(PROBES + 2):  # the first loads the library
+    for _ in range(PROBES + 1):  # the first loads the library
         lu_factor(matrix)
         clock.append(time.perf_counter())
     return float(median(np.diff(clock))) / (FACTORED * PROBE**3)

@@ -32,15 +32,15 @@ def _touching(a: Hull, at: Point, b: Hull, other: Point) -> bool:
     """The same; scenes that differ in their joints alone ask it again.
 
     Where both the circles and the rectangles about them overlap, wetted surfaces decide unless both are bodies of
-    revolution in the waterplane: one may lie in the other's well, above or below it, or adjoin it where both are open.
+    revolution, which stand through still water: one may lie in the other's well, above or below it, or adjoin it where
+    both are open.
     """
     way = np.subtract(other, at)
     box, other_box = _rectangle(a) + at[:2], _rectangle(b) + other[:2]
     gap = np.maximum(box[0] - other_box[1], other_box[0] - box[1])
     if np.linalg.norm(way) > reach(a) + reach(b) or np.any(gap > 0):
         return False
-    round_ = all(isinstance(h, Revolution) and h.waterplane_radius > 0 for h in (a, b))
-    return round_ or _meeting(a, b, tuple(float(x) for x in way[:2]))
+    return all(isinstance(h, Revolution) for h in (a, b)) or _meeting(a, b, tuple(float(x) for x in way[:2]))
 
 
 @lru_cache(maxsize=64)

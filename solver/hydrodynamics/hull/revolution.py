@@ -197,7 +197,9 @@ class Revolution:
             if not r > 0 or (r, z) == after:
                 raise InputError("hull.points", (r, z), "must be off the axis, r > 0 m, and unlike the one before")
         if not line[0][1] < 0 < line[-1][1]:
-            raise InputError("hull.points", f"z from {line[0][1]:g} to {line[-1][1]:g}", "must begin below z = 0 m")
+            raise InputError(
+                "hull.points", f"z from {line[0][1]:g} to {line[-1][1]:g}", "must begin below and end above z = 0 m"
+            )
         pieces = list(zip(line[:-1], line[1:], strict=True))
         for n, piece in enumerate(pieces):
             if any(cross(piece, other) for other in pieces[n + 2 :]):
@@ -249,7 +251,7 @@ class Revolution:
 
     @property
     def freeboard(self) -> float:
-        """Height of the highest point [m], below zero of a hull under water."""
+        """Height of the highest point [m]."""
         return max(s.end[1] for s in self.meridian)
 
     @property

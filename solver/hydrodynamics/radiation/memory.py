@@ -34,10 +34,10 @@ class RadiationMemory:
 
 
 def retardation(omega: np.ndarray, radiation_damping: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """K(t) = 2/π ∫ B(ω) cos(ωt) dω, (nt, ...), of B (nw, ...) >= 0 grid: the paper's eq. 14, reference path.
+    """K(t) = 2/π ∫ B(ω) cos(ωt) dω, (nt, ...), of B (nw, ...) at ω > 0 (nw,): the paper's eq. 14, reference path.
 
     B is a spline from B(0) = 0 through the samples and goes on as a power of ω, as its last quarter
-    falls off, ω^-2 at least. Then, linear between 4,000 close points, each piece is exact.
+    falls off, ω^-2 at least. Then, linear between some thousand close points, each piece is exact.
     """
     x, y = _continued(omega, radiation_damping)
     slope = np.diff(y, axis=0) / np.diff(x)[:, None]

@@ -86,6 +86,16 @@ def test_moments_may_be_about_points_that_only_the_floats_know():
     same(adopted(given, HULLS, CENTRES, NAMES, **WATER, planar=False, points=points), ours())
 
 
+def test_of_short_waves_alone_no_phase_is_judged_though_a_froude_krylov_force_is_told():
+    h = ours()
+    short = h.omega > 3.5
+    names = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")
+    h = replace(h, omega=h.omega[short], error=None, memory=None, **{n: getattr(h, n)[short] for n in names})
+    found = taken(told(h, froude_krylov=h.froude_krylov[:, None]))
+    assert "phases were not judged" in str(found.settings)
+    same(found, h)
+
+
 def test_what_lies_between_a_files_frequencies_is_in_its_error():
     """Of every other frequency; the others tell what its curves miss there."""
     h, rows = alone(), np.arange(0, 21, 2)

@@ -282,6 +282,8 @@ def test_published_numbers_of_the_project_name_known_variables():
         ("3.0", 20, "inside"),
         ("3", 20, "inside"),  # rounded from as little as 2.5
         ("0.94", 20, "outside"),
+        ("4e0", 20, "outside"),
+        ("0.03e2", 20, "inside"),  # rounded from as little as 2.5
         ("9.9", 19, ""),  # too few to tell
     ],
 )
@@ -293,6 +295,12 @@ def test_a_published_number_is_inside_if_its_rounding_reaches_our_range(tmp_path
     assert mine.verdict(theirs) == verdict
     assert (report.verdicts(data, [theirs]) == "") == (verdict == "")
     assert bool(list(report.sentences([(theirs, mine)]))) == (verdict == "outside" or not verdict)
+
+
+def test_a_number_is_far_off_a_published_nothing(data, tmp_path):
+    nothing = row(tmp_path / "p.csv", "T,power,absorbed_power,float=front,,0,kW,")
+    assert report.cells(nothing, report.ours(data, nothing))[2] == " *"
+    assert report.cells(nothing, report.ours(0 * data, nothing))[2] == ""
 
 
 def test_the_range_of_39_holds_one_more_with_95_percent(tmp_path):
