@@ -215,12 +215,12 @@ def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
 
 def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
     """A sentence for each axis about which a float turns by more than linear buoyancy's small angles."""
-    if not axes or scene.settings.froude_krylov != "linear":
+    if not axes:
         return
     moved = tables["motion"] if "motion" in tables else tables["rotation"][:, None]
-    for f, of_axes in zip(scene.floats, moved[..., STATISTICS.index("std")], strict=True):
+    for f, exact, of_axes in zip(scene.floats, scene.nonlinear, moved[..., STATISTICS.index("std")], strict=True):
         for axis, angle in zip(axes, of_axes, strict=True):
-            if axis not in DOFS[:3] and angle > SWUNG:
+            if not exact and axis not in DOFS[:3] and angle > SWUNG:
                 yield (
                     f"floats.{f.name}: the std of {axis} is {angle:.2g} rad, and linear pressure is one of small"
                     " angles: what they leave out goes with their square, and is no part of the estimated error"

@@ -137,7 +137,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     state, slow = system.start(), SlowShare(system, hydrodynamics)
     before, done, bend = copied(state), 0, sharpest_bend(scene)
     furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
-    low, high = np.zeros((2, 2, state.z.size))  # of positions and rates, where loads are given in a range of them
+    low = high = np.stack([state.z, state.dz])  # of positions and rates, where loads are given in a range of them
     ranged = any(points is not None for f in scene.floats for points in f.pto_points)
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
@@ -187,8 +187,8 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         *late,
         *recorder.settling.notes(channels),
         *from_rest(system, hydrodynamics),
-        *above(scene, recorder.mean_power, attrs["stored_energy_change"]),
+        *above(scene, tables, attrs["stored_energy_change"]),
         *doubted,
     ):
         attrs["warnings"] = "; ".join(odd)
-    return recorder.record(attrs, modes)
+    return recorder.record(tables, attrs, modes)

@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 
 from solver.balance import balanced
+from solver.coupled.boundary import coefficients
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.duck import duck as duck_hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -47,6 +48,13 @@ def known(item: Scene, low: float, high: float, count: int = 24, panels: int = S
         tuple(f.hull for f in item.floats), np.array([f.centre for f in item.floats]), depth=item.water.depth,
         heading=item.sea.heading, omega=np.linspace(low, high, count), planar=item.planar, panels=panels,
     )  # fmt: skip
+
+
+def vacuum(item: Scene) -> Hydrodynamics:
+    """Coefficients of floats that displace nothing, of scenes in which they neither radiate, diffract nor feel waves."""
+    h = coefficients(item)
+    assert h is not None, "of a scene with floats"
+    return replace(h, hydrostatic_stiffness=0 * h.hydrostatic_stiffness, displaced_mass=0 * h.displaced_mass)
 
 
 def prism(outline: list[tuple[float, float]], width: float) -> PanelHull:

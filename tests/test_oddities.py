@@ -41,7 +41,7 @@ def test_a_linear_model_tells_of_angles_that_are_not_small(make, table, axis):
     assert "surge" not in large
 
 
-@pytest.mark.parametrize(("froude_krylov", "told"), [("linear", True), ("body-nonlinear", False)])
+@pytest.mark.parametrize(("froude_krylov", "told"), [("linear", True), ("none", True), ("body-nonlinear", False)])
 def test_a_march_of_linear_buoyancy_tells_of_large_angles(froude_krylov, told):
     item, h = flap()
     settings = replace(item.settings, froude_krylov=froude_krylov, discard=0.0, duration=20.0)

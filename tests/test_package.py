@@ -63,9 +63,9 @@ def test_boundary_elements_are_solved_only_where_something_depends_on_them():
     assert needed(solver.Scene(water=water, floats=(ball(),)))
     assert not needed(solver.Scene(water=water))
     assert not needed(solver.Scene(water=water, floats=(ball(),), settings=solver.Settings(**bare)))
-    for pressure, asked in (("linear", True), ("none", False)):
+    for pressure in ("linear", "none"):  # of which both have linear buoyancy
         settings = solver.Settings(**bare, froude_krylov=pressure)
-        assert needed(solver.Scene(water=water, floats=(ball(),), settings=settings)) == asked
+        assert needed(solver.Scene(water=water, floats=(ball(),), settings=settings))
 
 
 def test_the_readmes_example_runs():

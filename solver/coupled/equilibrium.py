@@ -163,9 +163,10 @@ def _settle_joints(body: Bodies, z: np.ndarray, nc: int, stride: float) -> None:
         before = update * min(1.0, stride / size)
         z[nc:] += before
     if not np.abs(r).max() <= UNHELD * weights(body):
-        where = ", ".join(f"{value:.3g}" for value in z[nc:])
+        where, left = (", ".join(f"{value:.3g}" for value in values) for values in (z[nc:], r))
         raise SimulationFailed(
-            f"no static equilibrium in still water near rest: joints at {where} after {STRIDES} steps"
+            f"no static equilibrium in still water near rest: joints at {where} after {k + 1} steps, and nothing holds"
+            f" their loads of {left}"
         )
 
 

@@ -17,7 +17,7 @@ any time apart. With σ the std of s, φ the density of a normal number and r = 
     |s|s = F + K x + Σ aₙ Hₙ(x),   n! a₂ = 2 erf(r/√2),   n! aₙ = 4 φ⁽ⁿ⁻³⁾(r)/σⁿ⁻²,
 
 and of two such numbers x, x' with covariance R the n-th terms have the covariance n! aₙaₙ' Rⁿ. In still water the third
-order has 0.94 of all that is not linear, the fifth 0.04.
+order has 0.94 of all that is not linear, the fifth 0.05.
 """
 
 from typing import NamedTuple

@@ -23,8 +23,8 @@ def march(
 ) -> tuple[int, int, int]:
     """Advance `state` through all samples of `drive`; return (outcome, sample, iterations used).
 
-    room: see new_workspace. fine: see pieces.new_fine; None where no joint's law bends, and then nothing of pieces is
-    even compiled. Every WATCH steps the energy balance is checked; a gap from before step `quiet`, by the jolt of the
+    room: see new_workspace. fine: see pieces.fine; None where no joint's law bends, and then nothing of pieces is even
+    compiled. Every WATCH steps the energy balance is checked; a gap from before step `quiet`, by the jolt of the
     start, is not counted. On an outcome other than OK, `sample` is where the run stopped; a state is never left with
     NaN unnoticed.
     """

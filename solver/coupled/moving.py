@@ -27,17 +27,18 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
     if not (bent(law) | (quadratic > 0)).any() or not sea.amplitude.any():
         return model
     nm, nc = system.structure.omega.size, system.structure.carrier.shape[0]
-    one = np.count_nonzero(sea.amplitude) == 1
-    Y, force, rest = impedance(system, h, sea.omega), force_of_waves(system, h), damping_at_rest(law)
+    met = np.abs(sea.amplitude) > 0
+    omega, force, rest = sea.omega[met], force_of_waves(system, h)[met], damping_at_rest(law)
+    Y = impedance(system, h, omega)
     moving, more, size, least = model, *np.zeros((3, nc + len(model.mass) - nm))
     against = size  # of the rates that quadratic damping is taken for
     for _ in range(ROUNDS):
-        rates = sea.omega[:, None] * moving.response(sea.omega, Y, force)[:, nm:]
+        rates = omega[:, None] * moving.response(omega, Y, force)[:, nm:]
         size = np.concatenate([np.zeros(nc), lengths(rates.T)])
         least = np.maximum(least, HELD * size)
         # At a resonance rates go as one over their damping: from one round to the next they would turn over and over.
         against = np.sqrt(against * size) if against.any() else size
-        before, more = more, beyond_rest(law, damping_of_lines(law, np.maximum(size, least), single=one))
+        before, more = more, beyond_rest(law, damping_of_lines(law, np.maximum(size, least), single=omega.size == 1))
         rates *= np.divide(against, size, out=np.ones(size.size), where=size > 0)[nc:]
         more[nc:] += quadratic[nc:] * linear_drag.of_lines(rates[:, None])[:, 0, 0]
         if np.all(np.abs(more - before) <= AGREED * np.abs(rest + more)):

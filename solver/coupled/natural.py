@@ -25,7 +25,7 @@ from solver.multibody.of_axes import pto_stiffness_at_rest
 from solver.scene import MOST_STEPS, STEPS, Scene, two_digits, unit_along
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
-PLATFORM = 6  # lowest shapes of the platform that are told, besides all joints
+PLATFORM = 6  # shapes that are told, besides one for each joint: the slowest of all
 KNOWN = 32  # undamped scenes that a process keeps
 SPARE = 20  # shapes beyond those told, of which they are made where the added mass is another
 ROUNDS, AGREED = 50, 1e-9  # of added mass and frequency in turn
@@ -54,7 +54,7 @@ class SystemModes(NamedTuple):
 def system_modes(system: System, h: Hydrodynamics | None) -> SystemModes:
     """(C - ω²(M + Eᵀ(A(ω) - A∞)E)) φ = 0, each φ with the added mass of its own frequency.
 
-    All joints' shapes and the platform's lowest. Beyond the frequencies solved for the nearest one's added mass
+    The slowest, PLATFORM more than there are joints. Beyond the frequencies solved for the nearest one's added mass
     stands; what nothing holds has ω = 0.
     """
     model, radiates = linear_model(system), system.scene.settings.radiation
@@ -266,7 +266,7 @@ def with_usual_step(system: System, modes: SystemModes) -> System:
     if sea.amplitude.any() or not system.scene.floats:
         floats = np.array([not name.startswith(FRAME) for name in modes.names], bool)
         periods = modes.period[floats & (modes.period > np.pi / sea.omega.max())]
-        step = min(system.scene.usual_step, *periods / STEPS, np.inf)
+        step = min([system.scene.usual_step, *periods / STEPS])
     else:
         step = min([*_swinging(system, modes) / DRAWN, *modes.period / STEPS], default=system.scene.usual_step)
     step, s = step if np.isfinite(step) else system.scene.usual_step, system.scene.settings

@@ -23,7 +23,7 @@ OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED, TO_AND_FRO = range(6)
 CONTACT = ("end_stop_hits", "impact_rate", "end_stop_load")
 HITS, RATE, LOAD = range(len(CONTACT))
 # And of an axis that is held, the share of the time; at the sample whether its power take-off has let go, and the load
-# that it bears beyond what its position and rate tell: see joint_law.beyond_law.
+# that it bears beyond what its position and rate tell: see zones.beyond_law.
 HOLDS, LET_GO, BEYOND = range(len(CONTACT), len(CONTACT) + 3)
 UNCUT, UNTOLD = -1.0, -2.0  # of a step that is cut, where there is no room for its pieces
 PIECES = 4  # of steps that are cut for which there is room, over samples

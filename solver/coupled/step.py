@@ -156,7 +156,7 @@ def _halfway(start: Start, stage: Stages, flow: np.ndarray, power: np.ndarray) -
 
 @kernel(inline="always")
 def _update(problem: Problem, stage: Stages, newton: Newton) -> float:
-    """Joint accelerations and modal loads by Newton's update; the largest change of a position [m or rad]."""
+    """Joint accelerations and modal loads by Newton's update; about the largest change of a position [m or rad]."""
     nz, (nc, nm) = stage.z.shape[1], problem.structure.carrier.shape
     change = 0.0
     for s in range(2):

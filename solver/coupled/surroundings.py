@@ -70,7 +70,7 @@ def surroundings(at: water.Stations, heading: float) -> Surroundings:
 
 
 def inertia_size(platform: Platform, at: water.Stations, sea: Water) -> np.ndarray:
-    """Wave inertia load on each station over du/dt normal to it [kg]: C_M ρ πD²/4 w, (ns,)."""
+    """Wave inertia load on each station over du/dt normal to it [kg]: C_M ρ πD²/4 w, or C_M - 1 of it, (ns,)."""
     coefficient = at.inertia - (1 if platform.wave_inertia == "relative" else 0)
     return coefficient * sea.density * np.pi / 4 * at.diameter**2 * at.weight
 

@@ -1,4 +1,4 @@
-"""A scene as arrays: constants of a run, its initial state, and the march block by block."""
+"""A scene as arrays: constants of a run, its waves sample by sample, and its initial state."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -65,7 +65,7 @@ class System:
 
     @cached_property
     def _at_rest(self) -> tuple[Resting, np.ndarray, np.ndarray]:
-        stride = 0.1 * min(1.0, *(f.hull.size for f in self.scene.floats), 1.0)
+        stride = 0.1 * min([1.0, *(f.hull.size for f in self.scene.floats)])
         return _at_rest(Same(self.bodies), Same(self.structure), Bits(self._steady()), stride)
 
     def _steady(self) -> np.ndarray:
@@ -340,8 +340,7 @@ def _initial_acceleration(
     r, _ = balance(body, z, field=first.field[0], excitation=first.excitation[0])
     shape, whole = frame.carrier, _whole_mass(system, z)
     load = np.concatenate([shape.T @ r[:nc] - frame.omega**2 * p + first.modal[0], r[nc:]])
-    if system.scene.current is not None:  # else waves grow from nothing
-        load[:nm] += system.drag_at_rest(first.station[0])
+    load[:nm] += system.drag_at_rest(first.station[0])
     if first.push.size:
         load[:nm] += np.tensordot(frame.station, first.push[0], axes=2)
     at_rest = np.flatnonzero(of_axes.holds(body.law))

@@ -74,7 +74,7 @@ class Shifted(NamedTuple):
     impedance: np.ndarray  # (nl, na, na)
     more: np.ndarray  # (n, nl) force beyond the usual one
     excitation: np.ndarray  # (nl, nb, 6)
-    unlike: float  # by how much forces are off, see audit.unlike
+    unlike: float  # by how much forces are off, see effects.unlike
 
 
 @dataclass(frozen=True, eq=False)

@@ -59,7 +59,7 @@ class Response:
     pto: np.ndarray  # (nj,) damping of the power take-offs, linearised: power over the rate's mean square
     rounds: int  # until the drag agreed with its own result
     mean: Mean
-    mesh_effect: float  # see audit.coefficient_effects
+    mesh_effect: float  # see effects.coefficient_effects
     linearisation_effect: float  # see _linearisation_effect
     bends: np.ndarray  # (nj,) which axes' law has several zones
     excess: np.ndarray  # (nj,) kurtosis of the joints' rates beyond a Gaussian's: see shape
@@ -182,7 +182,7 @@ def _pushed(
 
 
 def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) -> float:
-    """What coefficients off by their estimated error do: see audit.coefficient_effects. Drag and dampers stay.
+    """What coefficients off by their estimated error do: see effects.coefficient_effects. Drag and dampers stay.
 
     wrench (nw, nb, 6): all loads on the floats without them.
     """

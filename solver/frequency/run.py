@@ -34,7 +34,6 @@ from solver.record.elements import elements_effect
 from solver.record.probe import UNTOLD, knows_finer, with_tables
 from solver.record.spectra import bands, crossings, moments
 from solver.scene import Scene, require_waves
-from solver.statistics import STATISTICS
 
 LEFT_OUT = "displacement_envelope, stress_envelope"  # how the nodes' motions go together in time
 
@@ -85,7 +84,6 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         ),
         **case.sea_parameters,
     }
-    power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
     doubted = () if slipping else doubts(scene.settings, errors)  # which says why by itself
     if notes := (
         *case.warnings,
@@ -96,7 +94,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
         *drag_driven(of_drag.extremes),
         *slipping,
-        *above(scene, power),
+        *above(scene, tables),
         *doubted,
     ):
         attrs["warnings"] = "; ".join(notes)

@@ -14,7 +14,7 @@ from solver.power_takeoff import PtoTable
 from solver.record.probe import UNTOLD, with_tables
 from solver.scene import Scene, Settings, two_digits
 
-ATTEMPTS = 6  # at most; each but the last costs the first audit.PROBE seconds of a run, and their audit
+ATTEMPTS = 6  # at most; each but the last costs the first probe.PROBE steps of a run, and their audit
 RULES = [(8, 4, 2), (12, 6, 3), (16, 12, 6), (24, 16, 8)]
 MARGIN = 2.0  # of the tolerance over the estimate, which is a sample
 # What of (tolerance / MARGIN)² the estimate's square may have of each; all together half of tolerance², so that what no

@@ -5,13 +5,14 @@ heave, 2 for surge, pitch, sway and roll, and 3 for all of them or for a hinge, 
 Falnes 1975, Newman 1976; Falnes, Ocean Waves and Oscillating Systems, 2002, ch. 6). It holds for one body by itself.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Scene
 from solver.sea.dispersion import group_velocity, wavenumbers
+from solver.statistics import STATISTICS
 
 FAINT = 1e-9  # of an axis's motion, what counts as none of its kind
 
@@ -54,12 +55,13 @@ def _gain(item: Float) -> float:
     return 2.0 * bool(level.any()) + 1.0 * bool(np.any(np.abs(moved[:, 2]) > FAINT))
 
 
-def above(scene: Scene, power: np.ndarray, change: float = 0.0) -> Iterator[str]:
-    """A sentence where the mean absorbed power (nb,) [W] is more than that, and than what was stored at the start.
+def above(scene: Scene, tables: Mapping[str, np.ndarray], change: float = 0.0) -> Iterator[str]:
+    """A sentence where the mean absorbed power of statistics is more than that, and than what was stored at the start.
 
     change: of the stored energy since then [J].
     """
     most = largest_power(scene)
+    power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
     if power.size and scene.sea.amplitude.any() and power[0] > most - min(change, 0.0) / scene.settings.duration:
         yield (
             f"floats.{scene.floats[0].name} absorbs {power[0]:.4g} W, more than the {most:.4g} W that linear theory"

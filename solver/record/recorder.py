@@ -19,7 +19,7 @@ from solver.record.sampling import Cuts
 from solver.record.settling import Settling
 from solver.record.spectra import Harmonics, all_lines, bands, lines_of, moments
 from solver.scene import Scene
-from solver.statistics import STATISTICS, Statistics
+from solver.statistics import Statistics
 from solver.structure.legs import Largest, compressive
 
 INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that others are made of
@@ -294,12 +294,6 @@ class Recorder:
         bound(known, self.scene, self.channels, self.law, fastest)
         return known
 
-    @property
-    def mean_power(self) -> np.ndarray:
-        """(nb,) absorbed [W]."""
-        absorbed = self.tables().get("absorbed_power", np.zeros((0, len(STATISTICS))))
-        return absorbed[:, STATISTICS.index("mean")]
-
     def samples(self) -> dict[str, np.ndarray]:
         """Of each channel (m, …), and their times (m,), where series are kept."""
         samples = {name: np.concatenate(blocks) for name, blocks in self.series.items()}
@@ -314,15 +308,17 @@ class Recorder:
             cuts[name] = Cuts(row, *(part.reshape(len(row), -1) for part in all_))
         return cuts
 
-    def record(self, attrs: Mapping[str, float | str], modes: SystemModes | None = None) -> Record:
-        """The record of all blocks; the system's natural periods, if known."""
+    def record(
+        self, tables: dict[str, np.ndarray], attrs: Mapping[str, float | str], modes: SystemModes | None = None
+    ) -> Record:
+        """The record of all blocks, `tables` their own; the system's natural periods, if known."""
         legs, largest, steel = self.channels.legs, self.largest, self.channels.steel
         counted: tuple[Mapping[str, Labelled], tuple[str, ...]] = ({}, ())
         if steel is not None and self.bent:
             bent = {at: np.concatenate(blocks) for at, blocks in self.bent.items()}
             counted = steel.counted(bent, self.seconds[1] - self.seconds[0])
         return self.channels.record(
-            self.tables(),
+            tables,
             attrs,
             modes=modes,
             envelopes=legs.envelopes(largest) if legs is not None and largest is not None else None,
@@ -330,7 +326,7 @@ class Recorder:
             series=self.samples() if self.scene.settings.keep_series else None,
             counted=counted,
             spectra=self._spectra() if self.bands is not None and self.series else None,
-            further={**dict(self._at_joints()), **(self._moments() if self.moments and self.series else {})},
+            further={**dict(self._at_joints()), **(self._moments(tables) if self.moments and self.series else {})},
         )
 
     def _spectra(self) -> dict[str, Labelled]:
@@ -343,12 +339,12 @@ class Recorder:
         lines = ((name, lines_of(x, step, self.bands)[1].reshape(-1, *shape)) for name, x, shape in flat)
         return self.channels.spectra(self.bands, omega, wave[:, 0], lines)
 
-    def _moments(self) -> dict[str, Labelled]:
+    def _moments(self, tables: Mapping[str, np.ndarray]) -> dict[str, Labelled]:
         """Of all channels, by what crosses their means and by their samples' spectra, which sum up to their variance.
 
         A taper weighs the record's middle, so that by itself the sum is that but on average.
         """
-        samples, tables = self.samples(), self.tables()
+        samples = self.samples()
         times = samples.pop("time")
         found = {}
         for name, values in samples.items():

@@ -60,7 +60,8 @@ def carried(frame: Structure, to_carriers: np.ndarray, w: np.ndarray, P: np.ndar
 
 
 def _equivalent(stream: np.ndarray, water: np.ndarray) -> np.ndarray:
-    """K (ns, nd, nd) [m/s] of the waves' own velocity (nw, nd, ns) in a current."""
+    """K (ns, nd, nd) [m/s] of the waves' own velocity (nw, nd, ns) in a current; those without height are none."""
+    water = water[np.any(water, axis=(1, 2))]
     if not stream.any():
         return linear_drag.of_lines(water)
     return linear_drag.of_parts_in(stream, linear_drag.parts(water))[1]

@@ -37,7 +37,8 @@ PressureOf = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
 Quadrature = Callable[[np.ndarray, np.ndarray, Incident, np.ndarray], None]
 ROUNDING = 1e-6  # of an angle [rad]: below it its square is none beside 1
 SWINGS = 20  # rounds in which the place that swings are of is found
-TERMS = 32  # of the local wave field, for pressure by quadrature: rounding for every hull that is small for its waves
+TERMS = 32  # of the local wave field, for pressure by quadrature: rounding for every hull that is small for its waves,
+LARGE = 2.0, 1e-9  # more for others, by so many sizes of the hull about where it rests, and so much of Σ|a|
 Surface = Literal["panels", "quadrature"]
 IN_PLANE = np.array([2.0, 0.0, 2.0, 0.0, 2.0, 0.0])  # load of a hull from that of its half
 
@@ -55,7 +56,9 @@ class PressureForce:
             self.meshes = [self._mesh(f.hull, panels) for f in scene.floats]
         elif not self.linear:
             self.quadratures = [self._quadrature(f.hull) for f in scene.floats]
-            self.rows = [field.local_pressure(f.centre, TERMS) for f in scene.floats]
+            about, left = LARGE
+            self.terms = [max(TERMS, field.terms_for(about * f.hull.size, left)) for f in scene.floats]
+            self.rows = [field.local_pressure(f.centre, n) for f, n in zip(scene.floats, self.terms, strict=True)]
 
     def _quadrature(self, hull: Hull) -> Quadrature:
         s = self.scene.settings
@@ -111,7 +114,7 @@ class PressureForce:
         def load(b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
             out = np.zeros(6)
             real, imag = local[b]
-            waves = Incident(real, imag, TERMS, scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
+            waves = Incident(real, imag, self.terms[b], scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
             self.quadratures[b](position, rotation, waves, out)
             return out
 

@@ -1,8 +1,9 @@
 """A scene by the paper's method: the slow, independent twin of `simulate`, and its record.
 
-Augmented floats, panel-wise pressure, direct convolution, all modes, every coupling iterated to
-convergence. It shares with `simulate` the scene, the BEM's coefficients and the structure's modes,
-and nothing of the floats' mechanics, the memory, the pressure integral or the time loop.
+Augmented floats, every coupling iterated to convergence; with `accuracy = "reference"` panel-wise pressure, direct
+convolution and all modes, too. It shares with `simulate` the scene, the BEM's coefficients, the structure's modes, the
+joints' laws and where it starts, and nothing of the floats' mechanics or the time loop; with that accuracy nothing of
+the memory or the pressure integral.
 """
 
 import time
@@ -20,13 +21,13 @@ from solver.coupled.driving import driven
 from solver.coupled.energy import FRAME_DRAG, FRAME_INERTIA, STRUCTURAL, WORKS
 from solver.coupled.moving import along_waves
 from solver.coupled.natural import require_stable, require_upright, system_modes, with_usual_step
-from solver.coupled.problem import BEYOND, CONTACT, Output, whole_output
+from solver.coupled.problem import BEYOND, CONTACT, LOAD, Output, whole_output
 from solver.coupled.sliding import leaders
 from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.of_axes import bent, joint_energy, stop_loads
-from solver.oddities import met, warnings
+from solver.oddities import met, strayed, swung, warnings
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
 from solver.record.channels import Record
@@ -37,6 +38,7 @@ from solver.record.probe import PROBE, probed, statistics_error
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
 from solver.record.sampling import expected_error
+from solver.record.starting import from_rest
 from solver.reference import axes as joint_axes
 from solver.reference.augmented import (
     NO_SUPPORTS,
@@ -134,18 +136,21 @@ def simulate_reference(
         **scene.sea.parameters(),
     }
     told = warnings(scene, case.system.joints_at_rest)
-    tables = recorder.tables()
-    late, doubted = died(recorder.channels, tables), doubts(case.scene.settings, audited)
+    tables, channels = recorder.tables(), recorder.channels
+    late, doubted = died(channels, tables), doubts(case.scene.settings, audited)
+    large = (*met(scene, tables), *swung(scene, channels.axes, tables), *strayed(scene, channels.axes, tables))
     if odd := (
         *told,
-        *met(scene, tables),
+        *large,
         *late,
-        *above(scene, recorder.mean_power, change),
+        *recorder.settling.notes(channels),
+        *from_rest(case.system, hydrodynamics),
+        *above(scene, tables, change),
         *doubted,
     ):
         attrs["warnings"] = "; ".join(odd)
     attrs["wall_time"] = time.perf_counter() - clock
-    return recorder.record(attrs, system_modes(case.system, hydrodynamics))
+    return recorder.record(tables, attrs, system_modes(case.system, hydrodynamics))
 
 
 def _told(scene: Scene) -> dict[str, float | str]:
@@ -259,12 +264,13 @@ def _blocks(
     case: Case, samples: Iterable[Sample]
 ) -> Iterator[tuple[np.ndarray, Output, np.ndarray, np.ndarray, Frames]]:
     """(times, samples as the fast march puts them out, wave rows' samples, constraint errors, frames at the end)."""
-    rows, stages = [], len(case.floats.weight)
+    rows, stages, pressed = [], len(case.floats.weight), None
     for n, sample in enumerate(samples, 1):
         rows.append(_row(case, (n - 1) % (stages - 1) + 1, sample))
         if len(rows) == BLOCK * (stages - 1) or n == case.steps * (stages - 1):
             times, errors, *parts = (np.array(x) for x in zip(*rows, strict=True))
-            contact = _contact(case, *parts[:2])
+            contact = _contact(case, *parts[:2], pressed)
+            pressed = contact[-1:, :, LOAD] > 0
             struck = np.repeat(parts[3][:, None], contact.shape[1], axis=1)
             yield times, whole_output(parts, contact, struck), _waves(case, times), errors.max(axis=0), sample.frames
             rows = []
@@ -281,12 +287,15 @@ def _row(case: Case, stage: int, sample: Sample) -> tuple[Any, ...]:
     return sample.time, sample.errors, z, dz, p, -floats.force[stage], *loads
 
 
-def _contact(case: Case, z: np.ndarray, dz: np.ndarray) -> np.ndarray:
-    """As an Output's, of the stops alone, as the samples have it: a hit is where a load begins."""
+def _contact(case: Case, z: np.ndarray, dz: np.ndarray, pressed: np.ndarray | None) -> np.ndarray:
+    """As an Output's, of the stops alone, as the samples have it: a hit is where a load begins.
+
+    pressed (1, n): which stops bear one in the sample before; None at the start.
+    """
     law = joint_law(case.scene.floats)
     some = bent(law)
     load = stop_loads(law, z, dz)[:, some]
-    begins = np.diff(load > 0, axis=0, prepend=load[:1] > 0) & (load > 0)
+    begins = np.diff(load > 0, axis=0, prepend=load[:1] > 0 if pressed is None else pressed) & (load > 0)
     contact = np.zeros((*load.shape, BEYOND + 1))
     contact[..., : len(CONTACT)] = np.stack([begins, begins * np.abs(dz[:, some]), load], axis=-1)
     return contact

@@ -147,7 +147,8 @@ class Scene:
         if "static_part" in outputs and not (
             self.platform.legs or {"reactions", "section_forces", "member_stress"} & set(outputs)
         ):
-            yield InputError("settings.outputs", "static_part", "is of legs, reactions or section_forces: name some")
+            limit = "is of legs, reactions, section_forces or member_stress: name some"
+            yield InputError("settings.outputs", "static_part", limit)
 
     def _utilisation_problems(self, frame: Frame) -> Iterator[InputError]:
         tubes = list(filter(may_be_utilised, frame.members))

@@ -224,5 +224,5 @@ def panels_for(tolerance: float | None, hulls: Sequence[Revolution | PanelHull] 
 def needs_coefficients(settings: Settings, hulls: Sequence[Revolution | PanelHull], depth: float) -> bool:
     """Whether anything depends on coefficients of floats with these hulls; pressure on those that stand is linear."""
     s = settings
-    linear = s.froude_krylov == "linear" or (s.froude_krylov != "none" and any(stands(h, depth) for h in hulls))
+    linear = s.froude_krylov != "body-nonlinear" or any(stands(h, depth) for h in hulls)
     return bool(hulls) and (s.radiation or s.diffraction or linear)

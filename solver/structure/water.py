@@ -4,9 +4,9 @@ Morison's load per length normal to a member, eq. 16, fluid u, member v:
 
     f = ½ρ C_D D|u - v|(u - v) + ρπD²/4 [C_M ∂u/∂t - (C_M - 1) ∂v/∂t]
 
-Its last term is the added mass here; `solver.coupled.support` has the others. D and the area are those of member and
-marine growth together, D = D₀ + 2t (NORSOK N-003, DNV-RP-C205): the growth weighs and moves as a mass all round the
-member, displaces water, and does nothing to stiffness and stress.
+Its last term is the added mass here; `solver.coupled.modal` and `surroundings` have the others. D and the area are
+those of member and marine growth together, D = D₀ + 2t (NORSOK N-003, DNV-RP-C205): the growth weighs and moves as a
+mass all round the member, displaces water, and does nothing to stiffness and stress.
 """
 
 from dataclasses import dataclass

@@ -109,6 +109,19 @@ def test_a_pile_in_a_current_alone_rests_as_a_cantilever():
     assert np.linalg.norm(moment[:2]) == approx(q * 20.0**2 / 2)
 
 
+def test_a_frame_let_go_in_waves_feels_their_drag_at_once():
+    """Without a ramp, with no current: what the start's accelerations have beside those of a bare one."""
+    item = pile(None, sea(Hs=2.0, Tp=6.0, band=(0.5, 2.0)))
+    (leg,) = item.platform.frame.members
+    bare = replace(item.platform.frame, members=(replace(leg, drag_coefficient=0.0),))
+    platforms = item.platform, replace(item.platform, frame=bare)
+    system, other = (prepare(replace(item, platform=each), None) for each in platforms)
+    sample = system.rows.sum(axis=1).real[None]
+    drag = system.drag_at_rest(system.drive(sample).station[0])
+    assert np.abs(drag).max() > 1.0
+    assert system.start().ddp - other.start().ddp == approx(drag, rel=1e-9, abs=1e-9 * np.abs(drag).max())
+
+
 def marched(item, h):
     """The system, its steel, samples, output and forces of a block in the time domain."""
     settings = replace(item.settings, outputs=("reactions", "section_forces", "fibre_stress"), time_step=0.1)

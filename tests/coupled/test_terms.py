@@ -14,7 +14,10 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.mooring import Line, Mooring
 from solver.multibody.bodies import new_motion, pressure_room
 from solver.multibody.minimal import move, pressures
+from solver.run import simulate
 from solver.scene import Float
+from solver.sea.realization import CALM
+from tests import awkward
 from tests.awkward import BALL, BUOYED, RHO, big_beside_small, rotors, sea, soft_mooring
 from tests.hydrodynamics.shapes import box
 
@@ -98,6 +101,21 @@ def test_without_waves_or_with_linear_pressure_there_are_next_to_no_terms():
     calm = replace(item, sea=replace(item.sea, amplitude=0 * item.sea.amplitude))
     assert prepare(calm, None).terms == (1, 1)
     assert prepare(bare(item, froude_krylov="none"), None).terms == (0, 0)
+
+
+@pytest.mark.parametrize("formulation", ["minimal", "augmented"])
+def test_floats_that_feel_no_waves_are_afloat_all_the_same(formulation):
+    """Whatever else is left out, too: K = ρgA."""
+    item = Float(
+        name="ball", hull=BALL, mass=BUOYED, inertia=(800.0,) * 3, hinge=(0, 0, 0), motion=("heave",), offset=0.1
+    )
+    whole = awkward.scene(
+        (item,), waves=CALM, froude_krylov="none", radiation=False, diffraction=False, formulation=formulation,
+        duration=8.0, discard=0.0, ramp=0.0, time_step=0.05, keep_series=True,
+    )  # fmt: skip
+    record = simulate(whole)
+    z, t = record.series["motion"][1][:, 0, 0], record.series["time"][1]
+    assert z == approx(0.1 * np.cos(np.sqrt(1025 * 9.81 * np.pi / BUOYED) * t), abs=1e-4)
 
 
 def loaded(system, t=77.0):

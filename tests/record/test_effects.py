@@ -79,6 +79,16 @@ def test_what_a_mesh_does_where_quadratic_damping_bounds_a_resonance_is_the_freq
     assert coefficient_effects(prepare(item, h), h)[1] == approx(lines.attrs["mesh_effect"], rel=3e-2)
 
 
+@pytest.mark.parametrize("law", [{"coulomb": 1e4}, {"quadratic_damping": 1e5}])
+def test_waves_without_height_are_none(law):
+    """One wave beside some of zero is one wave, whose linear damper is not a sea's."""
+    item, h = given(hemisphere, law, one=True)
+    omega = np.array([0.9, 1.0, 1.1]) * item.sea.omega[0]
+    among = replace(item, sea=replace(item.sea, omega=omega, amplitude=np.array([0, item.sea.amplitude[0], 0])))
+    alone, beside = (moving_model(prepare(each, h), h).damping for each in (item, among))
+    assert beside == approx(alone, rel=1e-9)
+
+
 def test_of_a_law_for_one_sense_half_is_left():
     assert added(hemisphere, {"coulomb": 2e4, "one_way": 1.0}) == approx(added(hemisphere, {"coulomb": 1e4}), rel=1e-2)
 
