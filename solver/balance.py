@@ -16,6 +16,7 @@ LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ODD = 1e3  # times the mass, or a part of it: what a hull displaces has lengths in another unit
 TONNE, NEARLY = 1e3, 2.0  # [kg]; a mass in t is told by what is displaced within this factor of it
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
+OUT = "height out of the water"  # of a hull that is given under it
 FLUSH = 1e-3  # of its draft: a mesh that rises no higher is one of the wetted part alone, with a lid
 LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
 
@@ -182,9 +183,10 @@ def _least(item: Float, name: str, buoyancy: float) -> float:
     return lines + float(abs(item.moored.pretension[i]) + abs(item.per_axis("preload")[i]))
 
 
-def heaved(scene: Scene, joints: np.ndarray) -> Iterator[tuple[Float, float, float]]:
+def heaved(scene: Scene, joints: np.ndarray) -> Iterator[tuple[Float, float, float, str]]:
     """Floats of linear buoyancy that pierce the surface, with how far [m] each rests above where it is given, by its
-    own heave and that of what carries it, and how much that is of its draft, or where it sinks of its freeboard.
+    own heave and that of what carries it, and how much that is of its draft, or where it sinks of its freeboard; of
+    one that is given under water how much of its height it has out of it.
 
     joints (nj,): at rest. Of meshes that end at still water none knows the freeboard.
     """
@@ -194,8 +196,12 @@ def heaved(scene: Scene, joints: np.ndarray) -> Iterator[tuple[Float, float, flo
         rise[item.name] = rise[item.on] + sum(y for name, y in zip(item.motion, own, strict=True) if name == "heave")
         up, hull = float(rise[item.name]), item.hull
         above = hull.freeboard if hull.closed and abs(hull.freeboard) > FLUSH * hull.draft else np.inf
-        if not nonlinear and above > 0:
-            yield item, up, up / hull.draft if up > 0 else -up / above
+        if nonlinear or above < -max(up, 0.0):
+            continue
+        if above < 0:
+            yield item, up, (up + above) / (hull.draft + above), OUT
+        else:
+            yield item, up, *((up / hull.draft, "draft") if up > 0 else (-up / above, "freeboard"))
 
 
 def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[str]]) -> tuple[Float, ...]:

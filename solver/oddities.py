@@ -1,15 +1,16 @@
 """Sentences for the user on what is odd about a scene, or was met in its run."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from solver import limits
-from solver.balance import heaved, held, imbalance
+from solver.balance import OUT, heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import odd_lines
-from solver.scene import DOFS, Float, Platform, Scene, load_unit_along, unit_along
+from solver.scene import DOFS, LEVEL, Float, Platform, Scene, load_unit_along, poses, unit_along
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
 
@@ -34,7 +35,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     sentences += [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in _of_units(f)]
-    sentences += [f"floats.{f.name}.lines: {text}" for f in scene.floats for text in odd_lines(f.lines, f.centre)]
+    sentences += [*_of_lines(scene, joints)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
     for group in scene.sharing:
         if len(edges := openings([f.hull for f in group], [f.centre for f in group])):
@@ -52,6 +53,14 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
 
+def _of_lines(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
+    """Sentences for lines, of floats at joints (nj,), or as they are given."""
+    at = np.zeros(sum(len(f.motion) for f in scene.floats)) if joints is None else joints
+    for f, (R, place) in zip(scene.floats, poses(scene.floats, scene.carriers, at), strict=True):
+        turned = [replace(line, fairlead=tuple((R @ line.fairlead).tolist())) for line in f.lines]
+        yield from (f"floats.{f.name}.lines: {text}" for text in odd_lines(turned, place))
+
+
 def _of_water(scene: Scene) -> Iterator[str]:
     """Sentences for water and a current whose numbers look as of other units."""
     low, high = WATERS
@@ -64,7 +73,9 @@ def _of_water(scene: Scene) -> Iterator[str]:
 
 
 def _of_units(item: Float) -> Iterator[str]:
-    """Sentences for a float whose size or stops look as of other units."""
+    """Sentences for a float whose size or stops look as of other units, or whose axis is no joint's."""
+    if item.motion and "hinge" not in item.motion and not np.array_equal(item.axis, LEVEL):
+        yield f"floats.{item.name}.axis: is of a hinge; {', '.join(item.motion)} go along or about x, y and z"
     if item.hull.size > LARGEST:
         where = f"floats.{item.name}.hull: reaches {item.hull.size:.4g} m, as no hull does"
         yield f"{where}: is it in other units{item.in_millimetres}?"
@@ -125,12 +136,11 @@ def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
 
 def _risen(scene: Scene, joints: np.ndarray) -> Iterator[str]:
     """A sentence for each float of linear buoyancy that rests, at joints (nj,), far from where that is of."""
-    for f, up, share in heaved(scene, joints):
-        if share > HEAVED:
+    for f, up, share, of in heaved(scene, joints):
+        if share > HEAVED or of == OUT:  # whose buoyancy is that under water
             yield (
-                f"floats.{f.name} rests at {up:+.3g} m of heave from where it is given, {share:.0%} of its"
-                f" {'draft' if up > 0 else 'freeboard'}: diffraction, radiation and linear buoyancy are of its place"
-                " there"
+                f"floats.{f.name} rests at {up:+.3g} m of heave from where it is given, {share:.0%} of its {of}:"
+                " diffraction, radiation and linear buoyancy are of its place there"
             )
 
 

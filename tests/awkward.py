@@ -51,7 +51,7 @@ def known(item: Scene, low: float, high: float, count: int = 24, panels: int = S
 
 
 def vacuum(item: Scene) -> Hydrodynamics:
-    """Coefficients of floats that displace nothing, of scenes in which they neither radiate, diffract nor feel waves."""
+    """Coefficients of floats that displace nothing, where they neither radiate, diffract nor feel waves."""
     h = coefficients(item)
     assert h is not None, "of a scene with floats"
     return replace(h, hydrostatic_stiffness=0 * h.hydrostatic_stiffness, displaced_mass=0 * h.displaced_mass)

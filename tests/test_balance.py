@@ -546,6 +546,20 @@ def test_what_is_carried_sinks_with_what_carries_it():
         simulate(replace(whole, floats=(tall, low)), None)
 
 
+def test_a_hull_under_water_that_comes_out_of_it_at_rest_is_told_and_one_wholly_out_is_refused():
+    corners, faces = wetted_box()
+    deep = PanelHull.of(corners - (0, 0, 0.3), faces)  # from 0.3 to 0.5 m deep
+
+    def told(up):
+        spring = 9.81 * 500 * deep.volume / up
+        return simulate(buoy(0.5 * 1000 * deep.volume, hull=deep, stiffness=spring), None).attrs.get("warnings", "")
+
+    assert "m of heave from where it is given" not in told(0.29)
+    assert "rests at +0.32 m of heave from where it is given, 10% of its height out of the water" in told(0.32)
+    with pytest.raises(SimulationFailed, match=r"would rest at \+0\.51 m of heave .* its whole hull out of the water"):
+        told(0.51)
+
+
 def test_hulls_under_water_those_that_do_not_heave_and_open_meshes_go_on():
     corners, faces = wetted_box()
     deep = PanelHull.of(corners - (0, 0, 0.3), faces)

@@ -8,6 +8,7 @@ import pytest
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.limits import pushed
+from solver.mooring import Line
 from solver.oddities import beyond_tables, overdamped, warnings
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
@@ -48,6 +49,28 @@ def test_a_march_of_linear_buoyancy_tells_of_large_angles(froude_krylov, told):
     swinging = replace(item.floats[0], offset=(0.4,), pto_damping=1e6)
     record = simulate(replace(item, settings=settings, floats=(swinging,)), h)
     assert ("the std of hinge is" in record.attrs.get("warnings", "")) is told
+
+
+def test_a_line_is_strained_where_its_float_rests():
+    """A tether drawn nearly slack that half of the buoyancy stretches by a tenth."""
+    item, _ = soft_mooring()
+    (buoy,) = item.floats
+    pull = 0.5 * buoy.mass * 9.81
+    line = Line(anchor=(0, 0, -30.0), fairlead=(0, 0, 0), length=29.9, weight=5.0, EA=10 * pull)
+    light = replace(buoy, motion=("heave",), mass=0.5 * buoy.mass, stiffness=0.0, damping=0.0, lines=(line,))
+    whole = replace(item, floats=(light,))
+    assert not any("strained" in text for text in warnings(whole))
+    (told,) = (text for text in warnings(whole, np.array([0.1 * 29.9])) if "strained" in text)
+    assert "lines: line 1 is strained by 0.1" in told
+
+
+def test_an_axis_that_no_joint_has_is_told():
+    item, _ = soft_mooring()
+    (buoy,) = item.floats
+    inclined = replace(buoy, axis=(1.0, 0.0, 1.0))
+    fixed = replace(inclined, motion=(), stiffness=0.0, damping=0.0)
+    for each, told in ((inclined, True), (buoy, False), (fixed, False)):
+        assert any("axis: is of a hinge" in text for text in warnings(replace(item, floats=(each,)))) is told
 
 
 @pytest.mark.parametrize(("stiffness", "told_so"), [(400.0, False), (100.0, True), (0.0, True)])

@@ -6,10 +6,13 @@ from pytest import approx
 from scipy.spatial.transform import Rotation
 
 from solver import limits
+from solver.coupled.preparation import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.multibody.bodies import new_motion
+from solver.multibody.minimal import move
 from solver.run import simulate
-from solver.scene import Float, falls_at, turning_bounds, uprights
+from solver.scene import Float, falls_at, poses, turning_bounds, uprights
 from solver.sea.field import WaveField
 from solver.sea.realization import CALM, Realization
 from tests import awkward
@@ -76,6 +79,21 @@ def test_floats_are_upright_by_all_axes_of_theirs_and_of_their_carriers():
     both = R * Rotation.from_rotvec(0.4 * np.array(OBLIQUE))
     told = uprights((carrier, carried), (-1, 0), joints)
     assert told == approx([R.as_matrix()[2, 2], both.as_matrix()[2, 2]], abs=1e-12)
+
+
+def test_floats_are_where_the_march_has_them():
+    """On slides and turns, on each other, at a hinge off the carrier's point."""
+    carrier = drum("one", motion=("surge", "roll", "heave", "yaw"), hinge=(0.4, 0, 1.0), arm=(0.3, 0, -1.0))
+    carried = drum(
+        "other", motion=("hinge", "heave"), axis=OBLIQUE, on="one", hinge=(2, 1.0, 0.5), arm=(1.0, 0.2, -0.5)
+    )
+    item, joints = dry(carrier, carried), np.array([0.7, 0.5, -0.3, 0.8, -0.6, 0.2])
+    body = prepare(item, awkward.vacuum(item)).bodies
+    motion = new_motion(body)
+    move(body, joints, np.zeros(6), motion)
+    for b, (R, place) in enumerate(poses(item.floats, item.carriers, joints)):
+        assert approx(motion.rotation[b], abs=1e-12) == R
+        assert place == approx(motion.position[b], abs=1e-12)
 
 
 def test_what_several_axes_turn_over_ends_its_run():

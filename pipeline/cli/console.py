@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ from pipeline.terminal import err, out
 DONE, FAILED, INCOMPLETE = 0, 1, 2
 MANY = 20  # reasons of failures that are listed
 FEW = 3  # tasks that are listed of each reason, and that did not meet what was asked
+NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(\.\d+)?([eE][+-]?\d+)?(?!\w)")  # and no part of a name
 
 
 def say(text: str, console: Console = out) -> None:
@@ -46,8 +48,8 @@ class Tally:
 
     counts: Counter[str] = field(default_factory=Counter)
     other_sources: int = 0  # finished tasks from other solver sources than the present ones
-    failed: Counter[str] = field(default_factory=Counter)  # how many for each of the first reasons
-    failing: dict[str, list[str]] = field(default_factory=dict)  # the first of those, in words
+    failed: Counter[str] = field(default_factory=Counter)  # how many for each of the first reasons, without numbers
+    failing: dict[str, tuple[str, list[str]]] = field(default_factory=dict)  # that of the first of those, and they
     short: int = 0  # finished tasks of which more was asked than they met
     unmet: list[str] = field(default_factory=list)  # the first of them, in words
 
@@ -73,11 +75,12 @@ class Tally:
             self._blame(task, entry.failure)
 
     def _blame(self, task: Task, reason: str) -> None:
-        """Scenes that are alike fail alike: a reason is told once, with the first of its tasks."""
-        if reason in self.failed or len(self.failed) < MANY:
-            self.failed[reason] += 1
-            if self.failed[reason] <= FEW:
-                self.failing.setdefault(reason, []).append(f"{task.id} {task}")
+        """Scenes that are alike fail alike: a reason is told once, with the first of its tasks and by its numbers."""
+        kind = NUMBER.sub("", reason)
+        if kind in self.failed or len(self.failed) < MANY:
+            self.failed[kind] += 1
+            if self.failed[kind] <= FEW:
+                self.failing.setdefault(kind, (reason, []))[1].append(f"{task.id} {task}")
 
     @property
     def code(self) -> int:
@@ -101,8 +104,8 @@ def finish(tally: Tally, study: Study, store: Store) -> int:
         say(line, err)
     if tally.short > FEW:
         say(f"and {tally.short - FEW} more that did not meet what was asked, as `study show` tells of each", err)
-    for reason, tasks in tally.failing.items():
-        others = tally.failed[reason] - len(tasks)
+    for kind, (reason, tasks) in tally.failing.items():
+        others = tally.failed[kind] - len(tasks)
         say(f"failed: {'; '.join(tasks)}{f' and {others} more' if others else ''}: {reason}", err)
     count = tally.counts["failed"]
     if unlisted := count - tally.failed.total():

@@ -218,8 +218,9 @@ def key(figure: Figure, results: Results, name: str, markers: Mapping[str, str] 
     """What the marks of a drawn figure mean, above it; of sea states, if there are several, their markers."""
     from matplotlib.lines import Line2D
 
+    several = len(results.supports(name)) > 1
     marks = [
-        Line2D([], [], marker="o", linestyle="", label=f"{item}, {SUPPORT[support]}", **look)
+        Line2D([], [], marker="o", linestyle="", label=f"{item}, {SUPPORT[support]}" if several else item, **look)
         for item, support, look in series(results, name)
     ]
     if markers and len(markers) > 1:

@@ -340,7 +340,9 @@ def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
             if at and not component.fillna(0.0).any() and size.max() > 0:
                 continue  # such as what leaves the plane of a scene that stays in it
             name = " ".join(map(str, (label, *at)))
+            own = [str(label) for dim, label in zip(along, at, strict=True) if dim == "axis"]
+            unit = values.attrs.get("units", "") or meaning(str(label), own).get("units", "")
             for statistic in values.statistic.values:
                 part = component.sel(statistic=statistic)
                 figures = (f"{float(f()):z.4g}" for f in (part.mean, part.min, part.max))
-                yield (name, str(statistic), *figures, values.attrs.get("units", ""))
+                yield (name, str(statistic), *figures, unit)

@@ -81,6 +81,16 @@ def centre(item: Float) -> tuple[float, float, float]:
     return x, y, z
 
 
+def lines(item: Float) -> Iterator[tuple[Point, Point]]:
+    """Fairlead and anchor of each mooring line: straight, however it hangs."""
+    from pipeline.bridge import scenes
+
+    placed = scenes.floating(item)
+    for line in placed.lines:
+        x, _, z = map(float, placed.centre + line.fairlead)
+        yield (x, z), (line.anchor[0], line.anchor[2])
+
+
 def whole(study: StudyFile) -> Box:
     """From the seabed, or the deepest pile, to the highest point."""
     near = about_water(study)
@@ -106,7 +116,7 @@ def about_water(study: StudyFile) -> Box:
 
 
 def draw(axes: Axes, study: StudyFile, box: Box) -> None:
-    """Water, seabed, platform, floats, arms and hinges."""
+    """Water, seabed, platform, floats, arms, hinges and mooring lines."""
     from matplotlib.patches import Polygon
 
     tall, depth = box.high - box.low, study.water.depth
@@ -119,6 +129,8 @@ def draw(axes: Axes, study: StudyFile, box: Box) -> None:
     for index, item in enumerate(study.floats):
         axes.add_patch(Polygon(float_outline(item), facecolor=colour(index), edgecolor=INK, linewidth=0.6, alpha=0.85))
         (x, _, z), hinge = centre(item), item.hinge
+        for start, end in lines(item):
+            axes.plot([start[0], end[0]], [start[1], end[1]], color=INK, linewidth=0.8, linestyle=":")
         axes.plot([hinge[0], x], [hinge[2], z], color=INK, linewidth=1.6, solid_capstyle="round")
         if "hinge" in item.motion:
             axes.plot(hinge[0], hinge[2], "o", color="white", markeredgecolor=INK, markersize=5, zorder=4)

@@ -35,6 +35,16 @@ ul.note { margin: .4rem 0 0; padding-left: 1.2rem; }
 <dt>{{ name }}</dt><dd>{{ value }}</dd>
 {% endfor %}
 </dl>
+{% for table in yearly if table.lines %}
+<h2>{{ table.title }}</h2>
+<p class="note">{{ table.note }}</p>
+<div class="wide"><table>
+<tr>{% for name in table.header %}<th{% if loop.index < 3 %} class="word"{% endif %}>{{ name }}</th>{% endfor %}</tr>
+{% for row in table.lines %}
+<tr>{% for cell in row %}<td{% if loop.index < 3 %} class="word"{% endif %}>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}
+</table></div>
+{% endfor %}
 {% for title, lines in troubles.items() if lines %}
 <h2>{{ title }}</h2>
 <ul>
@@ -78,16 +88,6 @@ Reasons below each table.{{ named }}{% if verdicts %} {{ verdicts }}{% endif %}<
 {% endif %}
 {% endfor %}
 {% endif %}
-{% for table in yearly if table.lines %}
-<h2>{{ table.title }}</h2>
-<p class="note">{{ table.note }}</p>
-<div class="wide"><table>
-<tr>{% for name in table.header %}<th{% if loop.index < 3 %} class="word"{% endif %}>{{ name }}</th>{% endfor %}</tr>
-{% for row in table.lines %}
-<tr>{% for cell in row %}<td{% if loop.index < 3 %} class="word"{% endif %}>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}
-</table></div>
-{% endfor %}
 {% if periods %}
 <h2>Natural periods of the whole system in water</h2>
 <p class="note">Undamped, each with the added mass of its own frequency, and what moves in it: first the

@@ -202,7 +202,7 @@ def require_stable(system: System) -> None:
         )
     if over := limits.overturned(system.scene, joints):
         raise SimulationFailed(f"{over}, where it rests in still water: check its mass and centre of gravity (cog)")
-    for f, up, share in heaved(system.scene, joints):
+    for f, up, share, _ in heaved(system.scene, joints):
         if share >= 1:
             where = "out of the water" if up > 0 else "under water"
             raise SimulationFailed(

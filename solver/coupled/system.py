@@ -14,6 +14,7 @@ from solver.coupled.pieces.pace import SWING
 from solver.coupled.problem import Drive, Problem, new_problem
 from solver.coupled.stages import State
 from solver.coupled.support import Support
+from solver.errors import SimulationFailed
 from solver.hydrodynamics.radiation import memory as radiation
 from solver.keys import Bits, Same, shared
 from solver.multibody import joint_law, of_axes, zones
@@ -66,7 +67,11 @@ class System:
     @cached_property
     def _at_rest(self) -> tuple[Resting, np.ndarray, np.ndarray]:
         stride = 0.1 * min([1.0, *(f.hull.size for f in self.scene.floats)])
-        return _at_rest(Same(self.bodies), Same(self.structure), Bits(self._steady()), stride)
+        try:
+            return _at_rest(Same(self.bodies), Same(self.structure), Bits(self._steady()), stride)
+        except SimulationFailed as error:
+            names = ", ".join(f"{f.name} {axis}" for f in self.scene.floats for axis in f.motion)
+            raise SimulationFailed(f"{error}; joints: {names}") from None
 
     def _steady(self) -> np.ndarray:
         """Modal loads (nm,) of the current and of the load histories' start on the frame at rest."""

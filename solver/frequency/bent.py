@@ -81,6 +81,6 @@ def absorbed_table(load: Load, V: np.ndarray, omega: np.ndarray, duration: float
     above = np.sqrt((np.max(load(fastest) * fastest, axis=0) - each).clip(min=0.0))
     alike = np.divide(S, np.outer(sigma, sigma), out=np.zeros(S.shape), where=np.outer(sigma, sigma) > 0)
     linear = np.divide(each, sigma**2, out=np.zeros(each.size), where=sigma > 0)
-    mean, total = each.sum(), np.sqrt(std @ alike**2 @ std) * gaussian.of_lines(linear, V)
+    mean, total = each.sum(), np.sqrt(std @ alike**2 @ std) * gaussian.of_lines(np.diag(linear), V)
     largest = mean + np.linalg.eigvalsh(alike * np.outer(above, above)).max(initial=0.0)
     return np.array([largest, 0.0, mean, np.hypot(mean, total), total])

@@ -92,20 +92,21 @@ def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float
         V, c = V[:, c > 0], c[c > 0]
     m0, m2, most = _sums(V, omega)
     principal = np.linalg.eigvals(c[:, None] * covariance(V, V)).real if c.size > 1 else 0.5 * c * m0
-    mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2)) * of_lines(c, V)
+    mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2)) * of_lines(np.diag(c), V)
     strongest = principal.max(initial=0.0)
     largest = min(mean + strongest * _beyond(m0, m2, duration), float(c @ most**2))
     return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
 
 
-def of_lines(c: np.ndarray, V: np.ndarray) -> float:
-    """Std of Σ cᵢ vᵢ² over that of a Gaussian process, (1 - Σ (¼(Σ cᵢ|vᵢ|²)² + ⅛|Σ cᵢvᵢ²|²)/2 tr (CS)²)^½.
+def of_lines(A: np.ndarray, X: np.ndarray) -> float:
+    """Std of xᵀAx of lines X (nw, n) over that of a Gaussian process, (1 - Σ (¼(X*AX)² + ⅛|XᵀAX|²)/2 tr (AS)²)^½.
 
-    For a line's amplitude does not vary; no two pairs of lines have the same sum or difference of frequencies. 0.79 of
-    two equal lines, 0.995 of 130 of a sea.
+    For a line's amplitude does not vary; no two pairs of lines have the same sum or difference of frequencies. Of one
+    rate's square 0.79 of two equal lines, 0.995 of 130 of a sea. A (n, n) is symmetric.
     """
-    whole = 2 * c @ covariance(V, V) ** 2 @ c
-    steady = np.sum((np.abs(V) ** 2 @ c) ** 2 / 4 + np.abs(V**2 @ c) ** 2 / 8)
+    AS, AX = A @ covariance(X, X), X @ A
+    whole = 2 * np.sum(AS * AS.T)
+    steady = np.sum(np.sum((X.conj() * AX).real, axis=1) ** 2 / 4 + np.abs(np.sum(X * AX, axis=1)) ** 2 / 8)
     return float(np.sqrt(1 - steady / whole)) if whole > 0 else 1.0
 
 
@@ -163,9 +164,9 @@ def electrical_table(
     """(5,) of Σ g(Pᵢ), Pᵢ = (fᵢ + kᵢyᵢ) vᵢ and g the efficiency of each axis, see PtoEfficiency.
 
     Without stiffness that of what is absorbed, statistics (5,). Else the mean is that of each axis, see `_absorbed`,
-    and the std that of POINTS of all positions and rates. Largest and least are those of Σ Pᵢ with loads cᵢvᵢ, by its
-    strongest principal part of either sign as in `power_table`, positions from their means, with the loss that the sum
-    would have.
+    and the std that of POINTS of all positions and rates, by as much less as lines leave of that of Σ Pᵢ, see
+    `of_lines`. Largest and least are those of Σ Pᵢ with loads cᵢvᵢ, by its strongest principal part of either sign as
+    in `power_table`, positions from their means, with the loss that the sum would have.
     """
     c, k, V = axes.damping, axes.stiffness, axes.rate
     if len(V) == 1:
@@ -175,12 +176,12 @@ def electrical_table(
     both = np.concatenate([axes.position, V], axis=1)
     S, n = covariance(both, both), c.size
     y, v = np.split(_normal(S), 2, axis=1)
-    std = float(efficiency.electrical(axes.power(y, v)).sum(axis=1).std())
+    A = np.block([[np.zeros((n, n)), np.diag(k / 2)], [np.diag(k / 2), np.diag(c)]])
+    std = float(efficiency.electrical(axes.power(y, v)).sum(axis=1).std()) * of_lines(A, both)
     sigma = np.sqrt(np.diag(S))
     load = axes.load(SIZES[:, None] * sigma[n:])
     taken, given = (_absorbed(s * load, np.abs(k) * sigma[:n], s * k * axes.level, sigma[n:]) for s in (1, -1))
     mean = efficiency.generating * taken.sum() - given.sum() / efficiency.motoring
-    A = np.block([[np.zeros((n, n)), np.diag(k / 2)], [np.diag(k / 2), np.diag(c)]])
     parts = np.linalg.eigvals(A @ S).real
     ends = np.array([parts.max(), parts.min()]) * _beyond(*_sums(V, omega)[:2], duration)
     high, low = efficiency.electrical(parts.sum() + ends)

@@ -28,7 +28,7 @@ class Forces(NamedTuple):
 
 def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
     """Of power take-offs, if asked for: from one end to the other, and the way in an hour, 3600 ⟨|v|⟩."""
-    if "pto_stroke" not in case.system.scene.settings.outputs or not case.system.scene.floats:
+    if "pto_stroke" not in case.system.scene.settings.outputs or not case.channels.axes:
         return
     joints, rates = joint_lines(case, response), rate_lines(case, response)
     ends = gaussian.table(np.zeros(joints.shape[1]), joints, response.omega, case.duration)
@@ -145,9 +145,9 @@ def outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
         for name, lines in channels.motions(joints):
             yield name, means[name][0], lines
         pto, rates = response.pto, rate_lines(case, response)
-        if "pto_stroke" in scene.settings.outputs:
+        if "pto_stroke" in scene.settings.outputs and channels.axes:
             yield "pto_rate", np.zeros(()), channels.by_axis(rates)
-        if "pto_force" in scene.settings.outputs:
+        if "pto_force" in scene.settings.outputs and channels.axes:
             k = np.concatenate([f.per_axis("pto_stiffness") for f in scene.floats])
             level, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))
             yield "pto_force", level, lines

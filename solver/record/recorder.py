@@ -11,7 +11,7 @@ from solver.coupled.natural import SystemModes
 from solver.coupled.problem import BEYOND, CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
 from solver.coupled.support import Support
 from solver.multibody.bodies import Bodies
-from solver.multibody.of_axes import bent, declutched, joint_loads, latched, pto_bounds, pto_loads, stopped
+from solver.multibody.of_axes import bent, declutched, holds, joint_loads, latched, pto_bounds, pto_loads, stopped
 from solver.record.channels import ELEVATION, Channels, Labelled, Record, bound
 from solver.record.corners import ends_of, missed
 from solver.record.fatigue import crossing_rate
@@ -26,7 +26,8 @@ INNER = RATES, STROKES = "rates", "strokes"  # statistics of the axes that other
 # By the size of moments and shear, which have a corner where these pass zero: the least are those of samples.
 CORNERED = "utilisation", "shear_utilisation"
 # Though loads jump; at a hard stop a rate does so between samples, too, and a parabola would go beyond either side.
-CONTINUOUS = "wave_elevation", "rotation", "motion", "line_tension", "top_displacement", STROKES
+CONTINUOUS = "wave_elevation", "line_tension", "top_displacement"
+POSITIONS = "rotation", "motion", STROKES  # too, but where friction turns with the rate, which then has a corner
 
 
 class Recorder:
@@ -74,6 +75,7 @@ class Recorder:
         self.bands = bands(scene.sea.omega, scene.settings.duration) if waves else None
         self.moments = "moments" in scene.settings.outputs
         self.settling = Settling(scene)
+        self.continuous = {*CONTINUOUS, *(() if holds(self.law).any() else POSITIONS)}
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
         """Take in a block; statistics begin after `discard` and end after `duration`."""
@@ -100,7 +102,7 @@ class Recorder:
             self.struck = np.maximum(self.struck, np.max([force, -force], axis=1, initial=-np.inf))
         for name, values in channels.items():
             self.shapes[name] = values.shape[1:]
-            everywhere = None if name in CONTINUOUS else smooth
+            everywhere = None if name in self.continuous else smooth
             self.statistics.setdefault(name, Statistics()).add(values.reshape(len(values), -1), everywhere)
         self._lower(channels)
         if output.between.number[0]:
@@ -216,7 +218,7 @@ class Recorder:
             yield "absorbed_power", absorbed @ (channels.owner[:, None] == np.arange(nb))
             if self.bounded:
                 yield RATES, rate
-            if "pto_stroke" in self.scene.settings.outputs:
+            if "pto_stroke" in self.scene.settings.outputs and self.channels.axes:
                 yield STROKES, np.concatenate([joint, np.abs(rate)], axis=1)
                 yield "pto_rate", channels.by_axis(rate)
             yield from self._pto(joint, rate, at_work, beyond)
@@ -256,7 +258,7 @@ class Recorder:
     ) -> Iterator[tuple[str, np.ndarray]]:
         """Force and electrical power of the power take-offs at positions and rates (m, nj), where asked for."""
         floats, channels = self.scene.floats, self.channels
-        wanted = "pto_force" in self.scene.settings.outputs
+        wanted = "pto_force" in self.scene.settings.outputs and channels.axes
         if not wanted and all(f.pto_efficiency is None for f in floats):
             return
         load = pto_loads(self.law, joint, rate) * at_work

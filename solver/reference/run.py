@@ -264,12 +264,13 @@ def _blocks(
     case: Case, samples: Iterable[Sample]
 ) -> Iterator[tuple[np.ndarray, Output, np.ndarray, np.ndarray, Frames]]:
     """(times, samples as the fast march puts them out, wave rows' samples, constraint errors, frames at the end)."""
-    rows, stages, pressed = [], len(case.floats.weight), None
+    rows, stages = [], len(case.floats.weight)
+    pressed: np.ndarray | None = None
     for n, sample in enumerate(samples, 1):
         rows.append(_row(case, (n - 1) % (stages - 1) + 1, sample))
         if len(rows) == BLOCK * (stages - 1) or n == case.steps * (stages - 1):
             times, errors, *parts = (np.array(x) for x in zip(*rows, strict=True))
-            contact = _contact(case, *parts[:2], pressed)
+            contact = _contact(case, *parts[:2], pressed=pressed)
             pressed = contact[-1:, :, LOAD] > 0
             struck = np.repeat(parts[3][:, None], contact.shape[1], axis=1)
             yield times, whole_output(parts, contact, struck), _waves(case, times), errors.max(axis=0), sample.frames
@@ -287,7 +288,7 @@ def _row(case: Case, stage: int, sample: Sample) -> tuple[Any, ...]:
     return sample.time, sample.errors, z, dz, p, -floats.force[stage], *loads
 
 
-def _contact(case: Case, z: np.ndarray, dz: np.ndarray, pressed: np.ndarray | None) -> np.ndarray:
+def _contact(case: Case, z: np.ndarray, dz: np.ndarray, *, pressed: np.ndarray | None) -> np.ndarray:
     """As an Output's, of the stops alone, as the samples have it: a hit is where a load begins.
 
     pressed (1, n): which stops bear one in the sample before; None at the start.

@@ -6,6 +6,7 @@ Frame: x along the waves for heading 0, z upwards from still water, rotations ri
 from solver.hydrodynamics.hull.mesh import PANELS
 from solver.scene.floats import (
     DOFS,
+    LEVEL,
     PER_AXIS,
     STARTS,
     EndStops,
@@ -31,12 +32,13 @@ from solver.scene.settings import (
     needs_coefficients,
     panels_for,
 )
-from solver.scene.turning import FALLEN_OVER, falls_at, straight_down, turning_bounds, uprights
+from solver.scene.turning import FALLEN_OVER, falls_at, poses, straight_down, turning_bounds, uprights
 from solver.scene.water import Water
 
 __all__ = [
     "DOFS",
     "FALLEN_OVER",
+    "LEVEL",
     "MOST_PANELS",
     "MOST_STEPS",
     "OF_FLOATS",
@@ -63,6 +65,7 @@ __all__ = [
     "on_others",
     "out_of_place",
     "panels_for",
+    "poses",
     "require_waves",
     "straight_down",
     "turning_bounds",

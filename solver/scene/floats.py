@@ -19,6 +19,7 @@ from solver.scene.water import STILL_WATER, Water
 from solver.sea.current import Current
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+LEVEL = (0.0, 1.0, 0.0)  # a hinge's axis, across waves along x
 Vector = tuple[float, float, float]
 PerAxis = float | tuple[float, ...]  # of a joint: a number for its only axis, or one for each
 
@@ -62,7 +63,7 @@ class Float:
     )
     hinge: Annotated[Vector, Quantity("m"), "The joint's point, at rest"]
     arm: Annotated[Vector, Quantity("m"), "From the hinge to the reference point, at rest"] = (0.0, 0.0, 0.0)
-    axis: Annotated[Vector, Quantity("-"), "Direction of the hinge's axis"] = (0.0, 1.0, 0.0)
+    axis: Annotated[Vector, Quantity("-"), "Direction of the hinge's axis"] = LEVEL
     motion: Annotated[tuple[str, ...], "What the joint leaves free, in order from the support"] = ("hinge",)
     on: Annotated[str, 'The float, listed before, that carries the hinge; "" is the platform or the ground'] = ""
     pto_damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Damping of the power take-off"] = 0.0

@@ -188,7 +188,8 @@ class Scene:
         for f in self.floats if s.method == "frequency" else ():
             if f.pto_table is not None and not f.pto_table.alike:
                 limit = 'needs method = "time": it goes by position, or is not alike in both senses'
-                yield InputError(f"floats.{f.name}.pto_table", "given", limit)
+                given = "pto_table" if f.pto_table.finer is None else "pto_law"
+                yield InputError(f"floats.{f.name}.{given}", "given", limit)
         for f in self.floats:
             for name in (*jumping, "force_limit", "end_stops"):
                 value, usual = getattr(f, name), STARTS.get(name)  # None of end stops

@@ -33,18 +33,30 @@ def falls_at(axis: np.ndarray) -> float:
     return float(np.arccos(-square / (1 - square))) if square < 0.5 else np.inf
 
 
-def uprights(floats: Sequence[Float], carriers: Sequence[int], joints: np.ndarray) -> np.ndarray:
-    """z·Rz (nb,) of each float's own vertical z, all joints (nj,) [m or rad] from rest: below 0 it is turned over."""
-    frames: list[np.ndarray] = []
+def poses(floats: Sequence[Float], carriers: Sequence[int], joints: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Rotation (3, 3) and place of the reference point (3,) [m] of each float, joints (nj,) from rest [m or rad].
+
+    What an elastic platform moves by is left out.
+    """
+    found: list[tuple[np.ndarray, np.ndarray]] = []
     first = 0
     for item, carrier in zip(floats, carriers, strict=True):
-        R, angles = frames[carrier] if carrier >= 0 else np.eye(3), joints[first : first + len(item.motion)]
-        first += len(angles)
-        for axis, angle in zip(item.directions[item.turns], angles[item.turns], strict=True):
-            across = np.cross(np.eye(3), axis)
-            R = R @ (np.eye(3) + np.sin(angle) * across + (1 - np.cos(angle)) * across @ across)
-        frames.append(R)
-    return np.array([R[2, 2] for R in frames])
+        R, place = found[carrier] if carrier >= 0 else (np.eye(3), np.zeros(3))
+        place = place + R @ (item.hinge - (floats[carrier].centre if carrier >= 0 else np.zeros(3)))
+        for axis, turns, way in zip(item.directions, item.turns, joints[first:], strict=False):
+            if turns:
+                across = np.cross(np.eye(3), axis)
+                R = R @ (np.eye(3) + np.sin(way) * across + (1 - np.cos(way)) * across @ across)
+            else:
+                place = place + R @ axis * way
+        first += len(item.motion)
+        found.append((R, place + R @ item.arm))
+    return found
+
+
+def uprights(floats: Sequence[Float], carriers: Sequence[int], joints: np.ndarray) -> np.ndarray:
+    """z·Rz (nb,) of each float's own vertical z, all joints (nj,) [m or rad] from rest: below 0 it is turned over."""
+    return np.array([R[2, 2] for R, _ in poses(floats, carriers, joints)])
 
 
 def straight_down(item: Float) -> float:

@@ -99,7 +99,10 @@ class Frame:
         for i, name in enumerate(names[1:], start=1):
             gap = np.linalg.norm(places[:i] - places[i], axis=1)
             if gap.min() <= COINCIDENT * size:
-                yield InputError(f"nodes.{name}", self.nodes[name], f"must not coincide with {names[gap.argmin()]}")
+                limit = f"must not coincide with {(other := names[gap.argmin()])}"
+                hinge = next((node for node in (name, other) if node.startswith("hinge:")), "")
+                named = f": {hinge} is the float's own node there, which members may name" if hinge else ""
+                yield InputError(f"nodes.{name}", self.nodes[name], limit + named)
 
     def ends(self, member: Member) -> np.ndarray:
         """Places of a member's start and end (2, 3) [m], at the ends of their rigid offsets."""

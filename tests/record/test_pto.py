@@ -224,3 +224,24 @@ def test_control_that_lets_a_float_fall_away_or_has_no_meaning_is_refused():
         ball(pto_stiffness=1.0, force_limit=1e3)
     with pytest.raises(InputError, match=r"floats.ball.pto_efficiency.motoring = 1.1: must be <= 1"):
         ball(pto_efficiency=PtoEfficiency(motoring=1.1))
+
+
+@pytest.mark.parametrize("method", ["time", "frequency"])
+def test_fixed_floats_have_no_power_take_off_to_tell_of(method):
+    fixed = replace(ball(), motion=())
+    outputs = ("pto_force", "pto_stroke")
+    record = simulate(scene(fixed, outputs=outputs, method=method), coefficients())
+    assert not {"pto_force", "pto_stroke", "pto_rate"} & set(record.variables)
+    assert statistic(record, "hinge_force", "std", 0, 2) > 0
+
+
+def test_where_friction_turns_largest_and_least_positions_are_those_of_the_turn():
+    """A parabola through samples before and after it would go 0.5 % beyond."""
+    law = {"coulomb": 0.4 * 1e5, "damping": 1e5}
+    coarse, fine = (
+        simulate(scene(ball(**law), outputs=("pto_stroke",), time_step=2 * np.pi / OMEGA / n), coefficients())
+        for n in (20, 320)
+    )
+    for which in ("max", "min"):
+        assert statistic(coarse, "motion", which, 0, 0) == approx(statistic(fine, "motion", which, 0, 0), rel=1e-3)
+    assert coarse.variables["pto_stroke"][1] == approx(fine.variables["pto_stroke"][1], rel=1e-3)
