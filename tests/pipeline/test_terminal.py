@@ -73,6 +73,13 @@ def test_a_reason_is_told_once_with_the_first_tasks_that_it_is_of(capsys, monkey
         "failed: task 1: InputError: y",
         "failed: task 4: InputError: z",
     ]
+    finish(
+        failures("w1 at -0.85, 2.3e+05 N", "w1 at +1.2, 3 N", "w2 at 1.2, 3 N"), study, store
+    )  # a name's number counts
+    assert capsys.readouterr().err.splitlines()[:-1] == [
+        "failed: task 0; task 1: InputError: w1 at -0.85, 2.3e+05 N",
+        "failed: task 2: InputError: w2 at 1.2, 3 N",
+    ]
     monkeypatch.setattr(console, "MANY", 2)
     finish(failures("x", "y", "z", "z", "x"), study, store)
     assert capsys.readouterr().err.splitlines()[:-1] == [
