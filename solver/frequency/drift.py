@@ -6,6 +6,7 @@ waves make a force at the difference of their frequencies, by Newman's approxima
     S_F(μ) = 8 ∫ S(ω)S(ω + μ) ¼(T(ω) + T(ω + μ))² dω.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.linalg import eigh
 from solver.coupled.linear import LinearModel, linear_model
 from solver.coupled.system import System
 from solver.errors import InputError
-from solver.frequency.case import Case
+from solver.frequency.case import Case, impedance_anywhere
 from solver.frequency.response import Response
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.bem.far_field import Waves
@@ -25,7 +26,10 @@ from solver.record.spectra import bands
 from solver.scene import Scene
 
 NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of half its width
+SLOWEST = 1e-6  # [rad/s] at which added mass is that of no frequency
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
+
+Impedance = Callable[[np.ndarray], np.ndarray]  # of frequencies μ (m,): B - iμ(A - A∞) (m, n, n)
 
 
 def waves_of(case: Case, response: Response) -> Waves:
@@ -76,7 +80,7 @@ def variables(case: Case, response: Response, law: JointLaw) -> tuple[dict[str, 
         each = loads[:, [HORIZONTAL.index(channels.names[i]) for i in axes]]
         slow = slow_spectrum(waves.omega, waves.amplitude, each, scene.settings.duration)
         damped = case.damped_model(law)
-        means, stds, unmet = moved(damped, axes, added_mass(case.system, h), each.sum(axis=0), slow)
+        means, stds, unmet = moved(damped, axes, radiated(case.system, h), each.sum(axis=0), slow)
         for name, values in (("drift_offset", means), ("slow_drift", stds)):
             joints = np.full((1, channels.owner.size), np.nan)
             joints[0, axes] = values
@@ -103,10 +107,16 @@ def _axes(scene: Scene, channels: Channels) -> np.ndarray:
     return np.array([i for i, name in enumerate(channels.names) if channels.owner[i] == b and name in HORIZONTAL], int)
 
 
-def added_mass(system: System, h: Hydrodynamics) -> np.ndarray:
-    """A - A∞ (n, n) of the linear model's coordinates, at the lowest frequency that is known."""
+def radiated(system: System, h: Hydrodynamics) -> Impedance:
+    """Y(μ) of the linear model's coordinates; below the frequencies that are known, without damping."""
     E = linear_model(system).active
-    return E.T @ (h.added_mass[0] - system.bodies.added_mass) @ E
+
+    def at(mu: np.ndarray) -> np.ndarray:
+        Y = impedance_anywhere(system, h, mu)
+        Y.real[mu < h.omega[0]] = 0.0
+        return E.T @ Y @ E
+
+    return at
 
 
 def slow_spectrum(
@@ -130,32 +140,38 @@ def slow_spectrum(
 
 
 def moved(
-    model: LinearModel, axes: np.ndarray, added: np.ndarray, mean: np.ndarray, slow: tuple[np.ndarray, np.ndarray]
+    model: LinearModel, axes: np.ndarray, Y: Impedance, mean: np.ndarray, slow: tuple[np.ndarray, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """Mean and std (n,) along the axes by a mean load (n,) and the spectrum of a slow one, and what has none.
 
-    C x̄ = F;   cov x = ∫ H S_F Hᴴ dμ,  H = (C - μ²(M + A(0)) - iμD)⁻¹. All else rides along.
+    C x̄ = F;   cov x = ∫ H S_F Hᴴ dμ,  H = (C - μ²M - iμ(D + Y(μ)))⁻¹, of all coordinates: others follow without a
+    load of their own, as a hull held below its centre of gravity pitches.
     """
-    at = np.ix_(axes, axes)
-    C, D, M = model.stiffness[at], model.damping[at], model.mass[at] + added[at]
-    none = np.full(len(axes), np.nan)
-    if np.linalg.eigvalsh((C + C.T) / 2)[0] <= 0:
+    C, D, others = model.stiffness, model.damping, np.setdiff1d(np.arange(len(model.mass)), axes)
+    none, own = np.full(len(axes), np.nan), np.ix_(axes, axes)
+    follow = np.linalg.pinv(C[np.ix_(others, others)]) @ C[np.ix_(others, axes)]
+    steady = C[own] - C[np.ix_(axes, others)] @ follow
+    if np.linalg.eigvalsh((steady + steady.T) / 2)[0] <= 0:
         return none, none, "drift_offset: nothing holds the support against drift"
-    offset = np.linalg.solve(C, mean)
-    if np.linalg.eigvalsh((D + D.T) / 2)[0] <= 0:
+    offset = np.linalg.solve(steady, mean)
+    if np.linalg.eigvalsh((D[own] + D[own].T) / 2)[0] <= 0:
         return offset, none, "slow_drift: nothing damps the support's slow drift"
-    mu = _resolving(slow[0], C, D, M)[:, None, None]
-    H = np.linalg.inv(C - mu**2 * M - 1j * mu * D)
-    S = make_interp_spline(*slow, k=1)(mu[:, 0, 0]) if len(slow[0]) > 1 else np.zeros(H.shape)
+    added = -Y(np.array([SLOWEST]))[0].imag / SLOWEST
+    mu = _resolving(slow[0], C, D, model.mass + added)
+    H, swings, w = np.empty((len(mu), *steady.shape), complex), mu > 0, mu[mu > 0][:, None, None]
+    H[~swings] = np.linalg.inv(steady)
+    whole = C - w**2 * model.mass - 1j * w * (D + Y(mu[swings]))
+    H[swings] = np.linalg.inv(whole)[:, axes[:, None], axes]
+    S = make_interp_spline(*slow, k=1)(mu) if len(slow[0]) > 1 else np.zeros(H.shape)
     variance = np.einsum("kij,kjl,kil->ki", H, S, H.conj()).real
-    return offset, np.sqrt(np.trapezoid(variance, mu[:, 0, 0], axis=0)), ""
+    return offset, np.sqrt(np.trapezoid(variance, mu, axis=0)), ""
 
 
 def _resolving(mu: np.ndarray, C: np.ndarray, D: np.ndarray, M: np.ndarray) -> np.ndarray:
     """Frequencies from the first to the last of mu, dense about the resonances of C, D and M."""
     squares, shapes = eigh((C + C.T) / 2, (M + M.T) / 2)
     half = np.einsum("im,ij,jm->m", shapes, D, shapes) / 2  # of a resonance's width
-    near = np.sqrt(squares)[:, None] + half[:, None] * np.sinh(np.linspace(-DENSE, DENSE, NODES))
+    near = np.sqrt(np.maximum(squares, 0.0))[:, None] + half[:, None] * np.sinh(np.linspace(-DENSE, DENSE, NODES))
     return np.unique(np.concatenate([mu, np.clip(near.ravel(), mu[0], mu[-1])]))
 
 

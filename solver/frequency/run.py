@@ -24,7 +24,7 @@ from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
-from solver.oddities import beyond_tables, drag_driven, met, not_gaussian, stopped, strayed, swung
+from solver.oddities import beyond_tables, drag_driven, met, not_gaussian, ordered, stopped, strayed, swung
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -90,6 +90,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *met(scene, tables),
         *swung(scene, channels.axes, tables),
         *strayed(scene, channels.axes, tables),
+        *ordered(scene, channels.axes, tables),
         *beyond,
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
         *drag_driven(of_drag.extremes),

@@ -27,7 +27,7 @@ from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.of_axes import bent, joint_energy, stop_loads
-from solver.oddities import met, strayed, swung, warnings
+from solver.oddities import met, ordered, strayed, swung, warnings
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
 from solver.record.channels import Record
@@ -139,6 +139,7 @@ def simulate_reference(
     tables, channels = recorder.tables(), recorder.channels
     late, doubted = died(channels, tables), doubts(case.scene.settings, audited)
     large = (*met(scene, tables), *swung(scene, channels.axes, tables), *strayed(scene, channels.axes, tables))
+    large += tuple(ordered(scene, channels.axes, tables))
     if odd := (
         *told,
         *large,

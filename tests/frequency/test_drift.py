@@ -48,6 +48,11 @@ def records():
     return [simulate(drifting(b), h) for b, h in zip((HEADING, -HEADING), coefficients(), strict=True)]
 
 
+def afloat(added):
+    """Impedance of a constant added mass."""
+    return lambda mu: -1j * mu[:, None, None] * added
+
+
 def test_energy_far_off_is_that_of_rotors_and_dampers():
     """To the error of a coarse mesh of the barge, whose edges count: 2 %, and 1.2 % with twice as many panels."""
     record = records()[0]
@@ -144,7 +149,7 @@ def test_slow_drift_of_one_axis_is_that_of_all_pairs_of_waves(slowest):
     slow = drift.slow_spectrum(waves.omega, waves.amplitude, (T * a2)[:, None], 3600.0)
     level = np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4)
     assert np.trapezoid(slow[1][:, 0, 0], slow[0]) == approx(level, rel=0.01)
-    mean, std, unmet = drift.moved(model, np.array([1]), np.diag([0.0, 0.7 * M]), np.array([T @ a2]), slow)
+    mean, std, unmet = drift.moved(model, np.array([1]), afloat(np.diag([0.0, 0.7 * M])), np.array([T @ a2]), slow)
     assert mean[0] == approx(T @ a2 / C) and not unmet
     assert std[0] == approx(exact, rel=0.03)
 
@@ -157,26 +162,40 @@ def test_two_axes_drift_as_each_would_along_its_own():
     spectrum = np.exp(-3 * mu)[:, None, None] * S
     own = SimpleNamespace(stiffness=C, damping=D, mass=M)
     turned = SimpleNamespace(stiffness=R @ C @ R.T, damping=R @ D @ R.T, mass=R @ M @ R.T)
-    both, none = np.arange(2), np.zeros((2, 2))
+    both, none = np.arange(2), afloat(np.zeros((2, 2)))
     mean, std, _ = drift.moved(own, both, none, np.array([3e4, 1e4]), (mu, spectrum))
     other, turned_std, _ = drift.moved(turned, both, none, R @ [3e4, 1e4], (mu, R @ spectrum @ R.T))
     assert other == approx(R @ mean) and turned_std**2 == approx(np.diag(R @ np.diag(std**2) @ R.T), rel=1e-3)
 
 
+def test_axes_without_a_load_of_their_own_follow():
+    """As surge and pitch of a hull held below its centre of gravity do, where both are told and one is loaded."""
+    own = SimpleNamespace(
+        stiffness=np.array([[2e4, 1.8e5], [1.8e5, 4e6]]), damping=np.diag([4e3, 9e4]),
+        mass=np.array([[7e5, 9e5], [9e5, 3e7]]),
+    )  # fmt: skip
+    mu, none = np.linspace(0, 1.0, 21), afloat(np.zeros((2, 2)))
+    slow = np.exp(-3 * mu)[:, None, None] * np.array([[3e9]])
+    mean, std, _ = drift.moved(own, np.array([0]), none, np.array([3e3]), (mu, slow))
+    both = drift.moved(own, np.arange(2), none, np.array([3e3, 0.0]), (mu, slow * np.diag([1.0, 0.0])))
+    assert mean[0] == approx(both[0][0], rel=1e-9) and std[0] == approx(both[1][0], rel=1e-9)
+    assert mean[0] > 1.5 * 3e3 / 2e4
+
+
 def test_what_nothing_holds_or_damps_has_no_drift():
     none, slow = np.zeros((2, 2)), (np.arange(3.0), np.ones((3, 1, 1)))
     model = SimpleNamespace(stiffness=none, damping=none, mass=np.eye(2))
-    mean, std, unmet = drift.moved(model, np.array([0]), none, np.array([3.0]), slow)
+    mean, std, unmet = drift.moved(model, np.array([0]), afloat(none), np.array([3.0]), slow)
     assert np.isnan([*mean, *std]).all() and "nothing holds" in unmet
     model.stiffness = np.eye(2)
-    mean, std, unmet = drift.moved(model, np.array([0]), none, np.array([3.0]), slow)
+    mean, std, unmet = drift.moved(model, np.array([0]), afloat(none), np.array([3.0]), slow)
     assert mean == approx(3.0) and np.isnan(std).all() and "nothing damps" in unmet
 
 
 def test_one_wave_does_not_drift_slowly():
     mu, spectrum = drift.slow_spectrum(np.array([1.0]), np.array([1j]), np.array([[2e3, 1e3]]), 3600.0)
     model = SimpleNamespace(stiffness=np.eye(2), damping=np.eye(2), mass=np.eye(2))
-    mean, std, unmet = drift.moved(model, np.arange(2), np.zeros((2, 2)), np.array([2e3, 1e3]), (mu, spectrum))
+    mean, std, unmet = drift.moved(model, np.arange(2), afloat(np.zeros((2, 2))), np.array([2e3, 1e3]), (mu, spectrum))
     assert mean == approx([2e3, 1e3]) and std == approx([0.0, 0.0]) and not unmet
 
 
