@@ -13,7 +13,7 @@ from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import SIX, odd_lines
 from solver.scene import DOFS, LEVEL, Float, Platform, Scene, load_unit_along, poses, unit_along
 from solver.sea.field import wave_field
-from solver.statistics import STATISTICS
+from solver.statistics import FAINT, STATISTICS
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
 STEEP = 1.2  # factor by which extremes of what drag drives may exceed those of Gaussian responses
@@ -245,11 +245,12 @@ def ordered(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray])
     By the product of two of them in the third, against its own std.
     """
     for b, f in enumerate(scene.floats):
-        if f.mooring is None or len(f.mooring.stiffness) != SIX or np.sum(f.turns) < len(DOFS[3:]):
+        if f.mooring is None or len(f.mooring.stiffness) != SIX or not {*DOFS[3:]} <= {*f.motion}:
             continue
         std = {axis: float(tables["motion"][b, list(axes).index(axis), STATISTICS.index("std")]) for axis in DOFS[3:]}
-        shares = [(std[j] * std[k] / max(std[i], 1e-300), i, j, k) for i, j, k in permutations(DOFS[3:])]
-        share, i, j, k = max(shares)
+        turned = [(i, j, k) for i, j, k in permutations(DOFS[3:]) if std[i] > FAINT * max(std.values())]
+        shares = [(std[j] * std[k] / std[i], i, j, k) for i, j, k in turned]
+        share, i, j, k = max(shares, default=(0.0, *DOFS[3:]))
         if share > TWISTED:
             yield (
                 f"floats.{f.name}.mooring: its stiffness goes by the joint's angles one after another; with std of"

@@ -74,6 +74,8 @@ def test_that_a_mooring_by_angles_one_after_another_is_another_in_another_order_
     tables["motion"][0, 3:, 4] = 0.02, 0.05, yaw
     (text,) = list(ordered(replace(item, floats=(free,)), DOFS, tables)) or ("",)
     assert ("yaw is another by" in text) is told
+    tables["motion"][0, 3:, 4] = 1e-15, 0.05, 1e-15  # in its plane, but for rounding
+    assert not list(ordered(replace(item, floats=(free,)), DOFS, tables))
     by_axes = Mooring(stiffness=tuple(map(tuple, np.diag([2e6]).tolist())))
     turning = replace(barge, motion=("yaw",), stiffness=0.0, damping=0.0, mooring=by_axes)
     assert not list(ordered(replace(item, floats=(turning,)), ("yaw",), tables))
