@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -12,6 +11,7 @@ from rich.console import Console
 
 from pipeline import environment
 from pipeline.results.netcdf import Variable
+from pipeline.results.status import without_numbers
 from pipeline.results.store import Entry, Store
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
@@ -22,7 +22,6 @@ from pipeline.terminal import err, out
 DONE, FAILED, INCOMPLETE = 0, 1, 2
 MANY = 20  # reasons of failures that are listed
 FEW = 3  # tasks that are listed of each reason, and that did not meet what was asked
-NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(\.\d+)?([eE][+-]?\d+)?(?!\w)")  # and no part of a name
 
 
 def say(text: str, console: Console = out) -> None:
@@ -76,11 +75,11 @@ class Tally:
 
     def _blame(self, task: Task, reason: str) -> None:
         """Scenes that are alike fail alike: a reason is told once, with the first of its tasks and by its numbers."""
-        kind = NUMBER.sub("", reason)
-        if kind in self.failed or len(self.failed) < MANY:
-            self.failed[kind] += 1
-            if self.failed[kind] <= FEW:
-                self.failing.setdefault(kind, (reason, []))[1].append(f"{task.id} {task}")
+        alike = without_numbers(reason)
+        if alike in self.failed or len(self.failed) < MANY:
+            self.failed[alike] += 1
+            if self.failed[alike] <= FEW:
+                self.failing.setdefault(alike, (reason, []))[1].append(f"{task.id} {task}")
 
     @property
     def code(self) -> int:
@@ -104,8 +103,8 @@ def finish(tally: Tally, study: Study, store: Store) -> int:
         say(line, err)
     if tally.short > FEW:
         say(f"and {tally.short - FEW} more that did not meet what was asked, as `study show` tells of each", err)
-    for kind, (reason, tasks) in tally.failing.items():
-        others = tally.failed[kind] - len(tasks)
+    for alike, (reason, tasks) in tally.failing.items():
+        others = tally.failed[alike] - len(tasks)
         say(f"failed: {'; '.join(tasks)}{f' and {others} more' if others else ''}: {reason}", err)
     count = tally.counts["failed"]
     if unlisted := count - tally.failed.total():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Set
@@ -20,6 +21,7 @@ from pipeline.report.responses import dashes, responses
 from pipeline.report.template import PAGE
 from pipeline.report.yearly import of_survivors
 from pipeline.results import dataset
+from pipeline.results.status import without_numbers
 from pipeline.results.store import write_atomic
 from pipeline.study.axes import UNCHANGED
 from pipeline.study.schema import StudyFile
@@ -29,7 +31,7 @@ from pipeline.tasks.task import at_labels, axes, first_labels
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MANY = 20  # tasks of a kind that are named
+MANY, FEW = 20, 3  # reasons that are told, and tasks of each that are named
 VERSION = "version_"
 
 
@@ -147,18 +149,28 @@ def warnings(results: Results) -> list[str]:
 
 
 def _named(results: Results, name: str, usual: str, more: str = "") -> list[str]:
-    """Tasks of which a word is not the usual one, where they stand first, and that word, with more of them if any."""
+    """Tasks of which a word is not the usual one, where they stand first, and that word, with more of them if any.
+
+    Those whose words differ in numbers alone are together, with the first one's.
+    """
     if name not in results.data:
         return []
-    words = results.data[name]
+    words, reasons = results.data[name], results.data[more].values if more in results.data else None
+    alike: dict[str, tuple[str, list[tuple[int, ...]]]] = {}
+    for place in map(
+        tuple, np.argwhere((words.values.astype(str) != usual) & dataset.once(results.data["task"].values))
+    ):
+        reason = str(reasons[place]) if reasons is not None else ""
+        text = f"{words.values[place]}{': ' if reason else ''}{reason}"
+        alike.setdefault(without_numbers(text), (text, []))[1].append(place)
     lines = []
-    places = np.argwhere((words.values.astype(str) != usual) & dataset.once(results.data["task"].values))
-    for place in places[:MANY]:
-        cell = words[tuple(place)]
-        labels = ", ".join(f"{dim} {cell[dim].values}" for dim in words.dims)
-        reason = str(results.data[more].values[tuple(place)]) if more in results.data else ""
-        lines.append(f"{labels}: {cell.values}{': ' if reason else ''}{reason}".removeprefix(": "))
-    return lines + ([f"and {len(places) - MANY} more"] if len(places) > MANY else [])
+    for text, places in itertools.islice(alike.values(), MANY):
+        cells = (words[place] for place in places[:FEW])
+        labels = "; ".join(", ".join(f"{dim} {cell[dim].values}" for dim in words.dims) for cell in cells)
+        others = f" and {len(places) - FEW} more" if len(places) > FEW else ""
+        lines.append(f"{labels}{others}: {text}".removeprefix(": "))
+    left = sum(len(places) for _, places in itertools.islice(alike.values(), MANY, None))
+    return lines + ([f"and {left} more"] if left else [])
 
 
 def published_tables(results: Results) -> list[dict[str, Any]]:

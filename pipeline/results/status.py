@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import from_json
 
+NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(\.\d+)?([eE][+-]?\d+)?(?!\w)")  # and no part of a name
 # A simulated or measured time [s].
 Seconds = Annotated[float, Field(ge=0.0)]
 
@@ -78,6 +80,11 @@ class Status(_Shape):
 
 
 MISSING = Status()
+
+
+def without_numbers(words: str) -> str:
+    """Words of which those of other tasks may differ in numbers alone."""
+    return NUMBER.sub("", words)
 
 
 def read_status(path: Path) -> Status:
