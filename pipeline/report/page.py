@@ -157,9 +157,8 @@ def _named(results: Results, name: str, usual: str, more: str = "") -> list[str]
         return []
     words, reasons = results.data[name], results.data[more].values if more in results.data else None
     alike: dict[str, tuple[str, list[tuple[int, ...]]]] = {}
-    for place in map(
-        tuple, np.argwhere((words.values.astype(str) != usual) & dataset.once(results.data["task"].values))
-    ):
+    unusual = (words.values.astype(str) != usual) & dataset.once(results.data["task"].values)
+    for place in map(tuple, np.argwhere(unusual)):
         reason = str(reasons[place]) if reasons is not None else ""
         text = f"{words.values[place]}{': ' if reason else ''}{reason}"
         alike.setdefault(without_numbers(text), (text, []))[1].append(place)
