@@ -260,7 +260,7 @@ def test_a_task_of_several_cells_is_counted_named_and_drawn_once(results):
     data["failure"] = data["failure"].where(data["status"] != "failed", "SimulationFailed: too steep by 1.5")
     data["failure"][0, 0] = "SimulationFailed: too steep by 2"
     (line,) = page.troubles(shared)
-    assert line.startswith("sea_state calm, platform elastic, seed 0; sea_state rough, platform elastic, seed 1: failed:")
+    assert line.startswith("sea_state calm, platform elastic, seed 0; sea_state rough, platform elastic, seed 1: fail")
     assert line.endswith("SimulationFailed: too steep by 2")
     with plain():
         axes = strips.audit(shared).axes[-1]
