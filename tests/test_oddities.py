@@ -10,7 +10,7 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.limits import pushed
 from solver.mooring import Line, Mooring
 from solver.oddities import beyond_tables, ordered, overdamped, warnings
-from solver.power_takeoff import PtoTable
+from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.run import simulate
 from solver.scene import DOFS, EndStops
 from solver.sea.current import Current, CurrentSpeed
@@ -79,6 +79,16 @@ def test_that_a_mooring_by_angles_one_after_another_is_another_in_another_order_
     by_axes = Mooring(stiffness=tuple(map(tuple, np.diag([2e6]).tolist())))
     turning = replace(barge, motion=("yaw",), stiffness=0.0, damping=0.0, mooring=by_axes)
     assert not list(ordered(replace(item, floats=(turning,)), ("yaw",), tables))
+
+
+def test_parts_of_a_power_take_off_that_is_not_there_are_told():
+    item, _ = flap()
+    (f,) = item.floats
+    parts = {"force_limit": 1e5, "one_way": 1.0, "pto_efficiency": PtoEfficiency(generating=0.9)}
+    for damping, told in ((0.0, 3), (1e6, 0)):
+        texts = warnings(replace(item, floats=(replace(f, pto_damping=damping, **parts),)))
+        assert sum("does nothing without a power take-off" in text for text in texts) == told
+    assert not any("does nothing" in text for text in warnings(replace(item, floats=(replace(f, pto_damping=0.0),))))
 
 
 def test_an_axis_that_no_joint_has_is_told():
