@@ -11,7 +11,7 @@ from solver.balance import OUT, heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import SIX, odd_lines
-from solver.scene import DOFS, LEVEL, STARTS, Float, Platform, Scene, load_unit_along, poses, unit_along
+from solver.scene import DOFS, LEVEL, Float, Platform, Scene, load_unit_along, poses, unit_along
 from solver.sea.field import wave_field
 from solver.statistics import FAINT, STATISTICS
 
@@ -36,7 +36,10 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     sentences = [*_of_water(scene)]
     sentences += [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
-    sentences += [text for f in scene.floats for text in (*_of_units(f), *_idle(f))]
+    sentences += [text for f in scene.floats for text in _of_units(f)]
+    sentences += [
+        f"floats.{f.name}.{idle}: does nothing without a power take-off" for f in scene.floats for idle in f.idle
+    ]
     sentences += [*_of_lines(scene, joints)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
     for group in scene.sharing:
@@ -72,15 +75,6 @@ def _of_water(scene: Scene) -> Iterator[str]:
         speeds = [scene.current.speed or 0.0, *(line.speed for line in scene.current.profile)]
         if (fastest := max(speeds)) > FASTEST:
             yield f"current: {fastest:g} m/s is faster than any tide, {FASTEST:g} m/s: is it in other units?"
-
-
-def _idle(item: Float) -> Iterator[str]:
-    """A sentence for each part of a power take-off that a float does not have."""
-    takes = ("pto_damping", "pto_stiffness", "coulomb", "latch_load")
-    if item.motion and item.pto_table is None and not any(item.per_axis(name).any() for name in takes):
-        given = [name for name in ("force_limit", "one_way") if np.any(item.per_axis(name) != STARTS[name])]
-        for name in (*given, *["pto_efficiency"] * (item.pto_efficiency is not None)):
-            yield f"floats.{item.name}.{name}: does nothing without a power take-off"
 
 
 def _of_units(item: Float) -> Iterator[str]:

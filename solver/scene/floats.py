@@ -194,6 +194,15 @@ class Float:
             yield InputError(f"{key}.arm", self.arm, "must not lie along the hinge axis: the float would only spin")
 
     @property
+    def idle(self) -> list[str]:
+        """What is given of a power take-off that nothing else makes one."""
+        makers = (self.per_axis(name) for name in ("pto_damping", "pto_stiffness", "coulomb", "latch_load"))
+        if not self.motion or self.pto_table is not None or any(made.any() for made in makers):
+            return []
+        given = [name for name in ("force_limit", "one_way") if np.any(self.per_axis(name) != STARTS[name])]
+        return given + ["pto_efficiency"] * (self.pto_efficiency is not None)
+
+    @property
     def in_millimetres(self) -> str:
         """What to say of a mesh that is too large to be in m; nothing of other hulls."""
         return " (hull.scale is 0.001 of a mesh in mm)" if isinstance(self.hull, PanelHull) else ""
