@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import permutations
 
 import numpy as np
 
@@ -60,7 +59,7 @@ def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
 
 def _of_lines(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
     """Sentences for lines, of floats at joints (nj,), or as they are given."""
-    at = np.zeros(sum(len(f.motion) for f in scene.floats)) if joints is None else joints
+    at = np.zeros(scene.offsets.size) if joints is None else joints
     for f, (R, place) in zip(scene.floats, poses(scene.floats, scene.carriers, at), strict=True):
         turned = [replace(line, fairlead=tuple((R @ line.fairlead).tolist())) for line in f.lines]
         yield from (f"floats.{f.name}.lines: {text}" for text in odd_lines(turned, place))
@@ -219,6 +218,14 @@ def _along_waves(
     return ways
 
 
+def of_motions(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """Sentences for motions, of which `tables` has statistics, that are too large for some part of a model."""
+    yield from met(scene, tables)
+    yield from swung(scene, axes, tables)
+    yield from strayed(scene, axes, tables)
+    yield from ordered(scene, axes, tables)
+
+
 def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
     """A sentence for floats that meet at angles between the extremes of a run, of which `tables` has statistics."""
     if (angles := tables.get("rotation")) is not None:
@@ -251,10 +258,12 @@ def ordered(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray])
         if f.mooring is None or len(f.mooring.stiffness) != SIX or not {*DOFS[3:]} <= {*f.motion}:
             continue
         std = {axis: float(tables["motion"][b, list(axes).index(axis), STATISTICS.index("std")]) for axis in DOFS[3:]}
-        turned = [(i, j, k) for i, j, k in permutations(DOFS[3:]) if std[i] > FAINT * max(std.values())]
-        shares = [(std[j] * std[k] / std[i], i, j, k) for i, j, k in turned]
-        share, i, j, k = max(shares, default=(0.0, *DOFS[3:]))
-        if share > TWISTED:
+        turned = [axis for axis in std if std[axis] > FAINT * max(std.values())]
+        if not turned:
+            continue
+        i = min(turned, key=lambda axis: std[axis])
+        j, k = (axis for axis in std if axis != i)
+        if (share := std[j] * std[k] / std[i]) > TWISTED:
             yield (
                 f"floats.{f.name}.mooring: its stiffness goes by the joint's angles one after another; with std of"
                 f" {std[j]:.2g} rad of {j} and {std[k]:.2g} of {k}, {i} is another by {share:.0%} of its own std,"

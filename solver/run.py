@@ -17,7 +17,7 @@ from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_errors
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.limits import field_error
-from solver.oddities import beyond_tables, met, ordered, overdamped, strayed, swung, warnings
+from solver.oddities import beyond_tables, of_motions, overdamped, warnings
 from solver.record.accuracy import ATTEMPTS, first_guess, improved, overruled
 from solver.record.audit import audit, doubts
 from solver.record.bound import above
@@ -179,11 +179,9 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     beyond = beyond_tables(scene.floats, low, high)
     tables, channels = recorder.tables(), recorder.channels
     late, doubted = died(channels, tables), doubts(s, probe.errors(hydrodynamics))
-    large = (*met(scene, tables), *swung(scene, channels.axes, tables), *strayed(scene, channels.axes, tables))
-    large += tuple(ordered(scene, channels.axes, tables))
     if odd := (
         *told,
-        *large,
+        *of_motions(scene, channels.axes, tables),
         *beyond,
         *late,
         *recorder.settling.notes(channels),

@@ -27,7 +27,7 @@ from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.of_axes import bent, joint_energy, stop_loads
-from solver.oddities import met, ordered, strayed, swung, warnings
+from solver.oddities import of_motions, warnings
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
 from solver.record.channels import Record
@@ -138,11 +138,9 @@ def simulate_reference(
     told = warnings(scene, case.system.joints_at_rest)
     tables, channels = recorder.tables(), recorder.channels
     late, doubted = died(channels, tables), doubts(case.scene.settings, audited)
-    large = (*met(scene, tables), *swung(scene, channels.axes, tables), *strayed(scene, channels.axes, tables))
-    large += tuple(ordered(scene, channels.axes, tables))
     if odd := (
         *told,
-        *large,
+        *of_motions(scene, channels.axes, tables),
         *late,
         *recorder.settling.notes(channels),
         *from_rest(case.system, hydrodynamics),
