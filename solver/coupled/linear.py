@@ -164,3 +164,12 @@ def impedance(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray
     if not system.scene.settings.radiation:
         return np.zeros((omega.size, *h.added_mass_inf.shape), complex)
     return h.impedance(omega) + 1j * omega[:, None, None] * system.bodies.added_mass
+
+
+def impedance_anywhere(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
+    """Y at ω from 0 on: below the lowest one solved added mass is as there, and damping goes with the square; above the
+    highest one both near their limits with that."""
+    low, high = h.omega[[0, -1]]
+    Y = impedance(system, h, omega.clip(low, high))
+    under, over = np.minimum(omega / low, 1.0)[:, None, None], np.minimum(high / omega.clip(low), 1.0)[:, None, None]
+    return over**2 * (under**2 * Y.real + 1j * under * Y.imag)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.coupled.driving import patterns, share_curve
-from solver.coupled.linear import LinearModel, impedance, linear_model, wave_force
+from solver.coupled.linear import LinearModel, impedance, impedance_anywhere, linear_model, wave_force
 from solver.coupled.moving import excitation
 from solver.coupled.natural import SystemModes, require_stable, system_modes
 from solver.coupled.preparation import prepare
@@ -187,7 +187,7 @@ class Case:
         return self._impedance(self.hydrodynamics)
 
     def _impedance(self, h: Hydrodynamics | None) -> np.ndarray:
-        """By other coefficients; added mass and damping below the frequencies solved for are those of the first one."""
+        """By other coefficients."""
         if h is None:
             return np.zeros((self.omega.size, *2 * (len(self.model.active),)))
         Y, at = impedance(self.system, h, self.waves), self.nodes.omega
@@ -327,14 +327,6 @@ class Case:
     def damped_model(self, law: JointLaw) -> LinearModel:
         """With the law's dampers."""
         return self.model.damped(self.linear_damping(law))
-
-
-def impedance_anywhere(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
-    """Y (nw, na, na), added mass and damping beyond the frequencies solved for those of the nearest one."""
-    known = omega.clip(h.omega[0], h.omega[-1])
-    Y = impedance(system, h, known)
-    Y.imag *= (omega / known)[:, None, None]
-    return Y
 
 
 @lru_cache(maxsize=KNOWN)

@@ -13,10 +13,10 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.linalg import eigh
 
-from solver.coupled.linear import LinearModel, linear_model
+from solver.coupled.linear import LinearModel, impedance_anywhere, linear_model
 from solver.coupled.system import System
 from solver.errors import InputError
-from solver.frequency.case import Case, impedance_anywhere
+from solver.frequency.case import Case
 from solver.frequency.response import Response
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.bem.far_field import Waves
@@ -108,15 +108,9 @@ def _axes(scene: Scene, channels: Channels) -> np.ndarray:
 
 
 def radiated(system: System, h: Hydrodynamics) -> Impedance:
-    """Y(μ) of the linear model's coordinates; below the frequencies that are known, without damping."""
+    """Y(μ) of the linear model's coordinates."""
     E = linear_model(system).active
-
-    def at(mu: np.ndarray) -> np.ndarray:
-        Y = impedance_anywhere(system, h, mu)
-        Y.real[mu < h.omega[0]] = 0.0
-        return E.T @ Y @ E
-
-    return at
+    return lambda mu: np.asarray(E.T @ impedance_anywhere(system, h, mu) @ E)
 
 
 def slow_spectrum(

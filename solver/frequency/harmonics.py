@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.equilibrium import balance
-from solver.coupled.linear import jacobian
-from solver.frequency.case import Case, impedance_anywhere
+from solver.coupled.linear import impedance_anywhere, jacobian
+from solver.frequency.case import Case
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.multibody.joint_law import JointLaw

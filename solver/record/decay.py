@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import next_fast_len
 
-from solver.coupled.linear import impedance, linear_model
+from solver.coupled.linear import impedance_anywhere, linear_model
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.channels import Channels
@@ -84,13 +84,13 @@ def by_mesh(system: System, h: Hydrodynamics) -> float:
     if not offsets(system).any():
         return 0.0
     exact, span = _exact(system, h)
-    return _changed(system, exact, _decay(system, span, extended(system, h.shifted, span.omega)))
+    return _changed(system, exact, _decay(system, span, impedance_anywhere(system, h.shifted, span.omega)))
 
 
 @lru_cache(maxsize=1)
 def _exact(system: System, h: Hydrodynamics) -> "tuple[_Decay, _Span]":
     span = _span(system, h)
-    return _decay(system, span, extended(system, h, span.omega)), span
+    return _decay(system, span, impedance_anywhere(system, h, span.omega)), span
 
 
 def died(channels: Channels, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
@@ -124,15 +124,6 @@ def _span(system: System, h: Hydrodynamics) -> _Span:
     times = step * np.arange(2 * count)
     of_record = np.flatnonzero((times > min(s.discard, end / 2)) & (times <= end))
     return _Span(high / count * np.arange(count), LOST / whole, step, of_record)
-
-
-def extended(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
-    """Y at ω from 0 on: below the lowest one solved added mass is as there, and damping goes with the square; above the
-    highest one both near their limits with that."""
-    low, high = h.omega[[0, -1]]
-    Y = impedance(system, h, omega.clip(low, high))
-    under, over = np.minimum(omega / low, 1.0)[:, None, None], np.minimum(high / omega.clip(low), 1.0)[:, None, None]
-    return over**2 * (under**2 * Y.real + 1j * under * Y.imag)
 
 
 def _decay(system: System, span: _Span, Y: np.ndarray) -> _Decay:

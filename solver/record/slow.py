@@ -20,13 +20,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gammainc
 
-from solver.coupled.linear import linear_model
+from solver.coupled.linear import impedance_anywhere, linear_model
 from solver.coupled.moving import moving_model
 from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import of_axes
-from solver.record.decay import Transfer, extended
+from solver.record.decay import Transfer
 from solver.record.response import drag_damping
 from solver.record.spectra import all_lines
 from solver.statistics import FAINT
@@ -76,7 +76,9 @@ def below(system: System, h: Hydrodynamics | None) -> Below:
 def radiating(system: System, h: Hydrodynamics | None, own: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, ...]:
     """Of shapes φ (m, n) at their frequencies (m,): what of each radiates, Eφ (m, na), and by that its part of B."""
     moved = shapes @ linear_model(system).active.T
-    return moved, np.zeros(own.size) if h is None or not own.size else _of(extended(system, h, own).real, moved)
+    if h is None or not own.size:
+        return moved, np.zeros(own.size)
+    return moved, _of(impedance_anywhere(system, h, own).real, moved)
 
 
 def unradiated(system: System, h: Hydrodynamics | None, shapes: np.ndarray) -> np.ndarray:
@@ -92,7 +94,7 @@ def slow_effect(system: System, h: Hydrodynamics, transfer: Transfer) -> float:
     shapes = slow(system, h)
     if not shapes.omega.size:
         return 0.0
-    misfit = _of(transfer(shapes.omega) - extended(system, h, shapes.omega), shapes.moved)
+    misfit = _of(transfer(shapes.omega) - impedance_anywhere(system, h, shapes.omega), shapes.moved)
     damped, shifted = _in_record(system, shapes)
     return float(np.max(np.hypot(damped * misfit.real, shifted * misfit.imag)))
 

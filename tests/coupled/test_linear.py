@@ -186,6 +186,20 @@ def test_mesh_effect_is_what_the_march_shows(name, monkeypatch):
     assert told / 3 < max(changes) < 3 * told + 2 * memory
 
 
+def test_impedance_beyond_the_frequencies_solved_for():
+    """Below them B ∝ ω² and A is as there, so that what drifts slowly is damped by little; above A → A∞ and B → 0."""
+    item, h = SCENES["soft_mooring"]()
+    system = prepare(item, h)
+    (low, high), limit = h.omega[[0, -1]], system.bodies.added_mass
+    ends = impedance(system, h, np.array([low, high]))
+    Y = linear.impedance_anywhere(system, h, np.array([0.0, low / 2, low, high, 2 * high]))
+    assert np.all(Y[0] == 0) and Y[2:4] == approx(ends, rel=1e-12)
+    assert Y[1].real == approx(ends[0].real / 4) and Y[1].imag / (low / 2) == approx(ends[0].imag / low)
+    assert Y[4].real == approx(ends[1].real / 4)
+    far = np.abs(Y[4].imag / (2 * high))  # A - A∞
+    assert np.all(far <= np.abs(ends[1].imag / high) / 4) and np.all(far < 0.01 * np.abs(limit).max())
+
+
 def moored_box(**changes):
     """Free in all motions, c.o.g. and place off any symmetry, in waves from the side."""
     hull = PanelHull.of(*box((4.0, 6.0, 3.0), (0.2, -0.3, 0.0)))

@@ -8,7 +8,7 @@ import pytest
 from pytest import approx
 from scipy.signal import lfilter
 
-from solver.coupled.linear import impedance, linear_model
+from solver.coupled.linear import impedance, impedance_anywhere, linear_model
 from solver.coupled.moving import force_of_waves
 from solver.coupled.preparation import prepare
 from solver.frequency.case import case_of
@@ -16,7 +16,6 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.record import refit
 from solver.record.audit import unmet
-from solver.record.decay import extended
 from solver.record.effects import coefficient_effects
 from solver.record.response import drag_damping
 from solver.record.slow import SlowShare, changes, slow, slow_effect, slow_importance
@@ -208,7 +207,7 @@ def test_what_a_change_of_damping_does_is_what_the_linear_model_has_of_a_flat_dr
     model, shapes, small = linear_model(system), slow(system, h), 1e-3
     omega = np.linspace(0.8, 1.2, 4001) * shapes.omega[0]
     force = np.broadcast_to(np.eye(3)[0], (omega.size, 3))
-    Y = np.broadcast_to(extended(system, h, shapes.omega), (omega.size, 3, 3))
+    Y = np.broadcast_to(impedance_anywhere(system, h, shapes.omega), (omega.size, 3, 3))
     more = np.zeros((3, 3))
     more[0, 0] = small * shapes.damping[0] / shapes.moved[0, 0] ** 2
     before, after = (np.linalg.norm(model.response(omega, y, force)[:, 0]) for y in (Y, Y + more))
@@ -227,7 +226,7 @@ def test_what_shifts_a_resonance_changes_its_std_in_a_record_of_some_length():
     off = np.zeros((3, 3), complex)
     off[0, 0] = 1j * small / shapes.moved[0, 0] ** 2
     shifted = changes(shapes.damping, s.discard, s.discard + s.duration)[1][0]
-    assert slow_effect(system, h, lambda w: extended(system, h, w) + off) == approx(shifted * small, rel=1e-6)
+    assert slow_effect(system, h, lambda w: impedance_anywhere(system, h, w) + off) == approx(shifted * small, rel=1e-6)
 
 
 def test_the_lowest_frequency_solved_counts_for_what_is_below_it():
