@@ -37,12 +37,15 @@ def excursions(scene: Scene, field: WaveField, terms: Sequence[int], carrier_axe
 def _turnable(scene: Scene, item: Float, name: str, way: float) -> float:
     """How far a float may turn about an axis by which it does not fall over [rad].
 
-    Half a turn where pressure is linear and other axes tilt floats: it goes by the vector of the rotation, which is
-    none for more. Else, beyond a right angle, until that takes it `way` [m] off, out of its local wave field.
+    Half a turn where pressure is linear and other axes tilt floats, or where a mooring 6 x 6 holds it beside other
+    axes that turn: these go by the vector of the rotation, which is none for more. Else, beyond a right angle, until
+    that takes it `way` [m] off, out of its local wave field.
     """
     axis = item.direction(name)
     if np.isfinite(falls_at(axis)):
         return np.inf
+    if item.moored_at_a_point and item.turns.sum() > 1:
+        return np.pi
     if np.isinf(way):
         tilts = any(np.any(f.directions[f.turns, :2]) for f in scene.floats)
         return np.pi if tilts and not all(scene.nonlinear) else np.inf
@@ -195,8 +198,8 @@ def explain(scene: Scene, joints: np.ndarray, bounds: np.ndarray, when: str) -> 
         return f"{where}{'is turned over' if lies else 'swung through beneath its hinge'}{remedy}"
     if high == np.pi:
         return (
-            f"{where}turned too far round for linear pressure beside axes that tilt floats; hold it by more stiffness,"
-            ' or set froude_krylov = "body-nonlinear"'
+            f"{where}turned too far round, beside axes that tilt floats, for linear pressure or a mooring 6 x 6; hold"
+            ' it by more stiffness, or set froude_krylov = "body-nonlinear"'
         )
     return (
         f"{where}drifted out of the waves summed about its place at rest; hold it by a stiffer mooring, or"

@@ -106,9 +106,10 @@ def line_stiffness(lines: Sequence[Line], centre: np.ndarray) -> np.ndarray:
 class Mooring:
     """Lines between a float and what carries its joint; nothing else of their own, and no power but what C takes.
 
-    x are the n positions of the joint's axes; or, in matrices 6 x 6, the motion of a point of the float, surge to yaw,
-    as these axes move it about rest: x = J y, and the lines' load on the axes is Jᵀ F. Pretension keeps its direction
-    as the joint carries the point round, along y H y/2: -F₀·H more of stiffness.
+    x are the n positions of the joint's axes; or, in matrices 6 x 6, how far a point of the float has moved against
+    what carries it, and the vector of the rotation by which the float has turned, in whatever order its axes turn it:
+    see solver.multibody.moored. As the joint carries the point round, along y H y/2 about rest, pretension keeps its
+    direction: -F₀·H more of stiffness.
     """
 
     stiffness: Annotated[Matrix, Quantity("N m/rad or N/m"), "K, symmetric, of the joint's axes; or 6 x 6, of `point`"]
@@ -141,14 +142,20 @@ class Mooring:
         if self.damping is not None and _drives(np.array(self.damping, float)):
             yield InputError("mooring.damping", self.damping, "must be passive: without a negative eigenvalue")
 
-    def on_axes(self, J: np.ndarray, H: np.ndarray) -> "AxisMooring":
-        """As the axes of a joint feel it, which move the point by J (6, n), and by H (n, n, 3) of y²/2."""
+    @property
+    def matrices(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """K, C and F₀; zero where nothing is given."""
         K = np.array(self.stiffness, float)
         C = np.zeros(K.shape) if self.damping is None else np.array(self.damping, float)
         F = np.zeros(len(K)) if self.pretension is None else np.array(self.pretension, float)
-        T = J if len(K) == SIX else np.eye(len(K))
-        turned = H @ F[:3] if len(K) == SIX else 0.0
-        return AxisMooring(T.T @ ((K + K.T) / 2) @ T - turned, T.T @ ((C + C.T) / 2) @ T, T.T @ F)
+        return (K + K.T) / 2, (C + C.T) / 2, F
+
+    def on_axes(self, J: np.ndarray, H: np.ndarray) -> "AxisMooring":
+        """As the axes of a joint feel it near rest, which move the point by J (6, n), and by H (n, n, 6) of y²/2."""
+        K, C, F = self.matrices
+        if len(K) != SIX:
+            return AxisMooring(K, C, F)
+        return AxisMooring(J.T @ K @ J - H @ F, J.T @ C @ J, J.T @ F)
 
 
 class AxisMooring(NamedTuple):

@@ -9,15 +9,14 @@ from solver import limits
 from solver.balance import OUT, heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.swing import inside
-from solver.mooring import SIX, odd_lines
+from solver.mooring import odd_lines
 from solver.scene import DOFS, LEVEL, Float, Platform, Scene, load_unit_along, poses, unit_along
 from solver.sea.field import wave_field
-from solver.statistics import FAINT, STATISTICS
+from solver.statistics import STATISTICS
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
 STEEP = 1.2  # factor by which extremes of what drag drives may exceed those of Gaussian responses
 APART = 1.1  # factor by which extremes may miss those of Gaussian rates; of power it is the square
-TWISTED = 0.05  # of an angle's std, that the order of a joint's axes may change
 HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
 STRAYED = 0.5  # [rad] of the mean wave that it may go from where linear wave loads have their phases
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
@@ -223,7 +222,6 @@ def of_motions(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarra
     yield from met(scene, tables)
     yield from swung(scene, axes, tables)
     yield from strayed(scene, axes, tables)
-    yield from ordered(scene, axes, tables)
 
 
 def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
@@ -247,28 +245,6 @@ def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -
                     f"floats.{f.name}: the std of {axis} is {angle:.2g} rad, and linear pressure is one of small"
                     " angles: what they leave out goes with their square, and is no part of the estimated error"
                 )
-
-
-def ordered(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """A sentence for each float on a 6 x 6 mooring whose angles, one after another, are others in another order.
-
-    By the product of two of them in the third, against its own std.
-    """
-    for b, f in enumerate(scene.floats):
-        if f.mooring is None or len(f.mooring.stiffness) != SIX or not {*DOFS[3:]} <= {*f.motion}:
-            continue
-        std = {axis: float(tables["motion"][b, list(axes).index(axis), STATISTICS.index("std")]) for axis in DOFS[3:]}
-        turned = [axis for axis in std if std[axis] > FAINT * max(std.values())]
-        if not turned:
-            continue
-        i = min(turned, key=lambda axis: std[axis])
-        j, k = (axis for axis in std if axis != i)
-        if (share := std[j] * std[k] / std[i]) > TWISTED:
-            yield (
-                f"floats.{f.name}.mooring: its stiffness goes by the joint's angles one after another; with std of"
-                f" {std[j]:.2g} rad of {j} and {std[k]:.2g} of {k}, {i} is another by {share:.0%} of its own std,"
-                " and what the mooring makes of it, in another order of `motion`"
-            )
 
 
 def drag_driven(factor: float) -> Iterator[str]:

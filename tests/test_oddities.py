@@ -8,11 +8,11 @@ import pytest
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.limits import pushed
-from solver.mooring import Line, Mooring
-from solver.oddities import beyond_tables, ordered, overdamped, warnings
+from solver.mooring import Line
+from solver.oddities import beyond_tables, overdamped, warnings
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.run import simulate
-from solver.scene import DOFS, EndStops
+from solver.scene import EndStops
 from solver.sea.current import Current, CurrentSpeed
 from solver.sea.field import wave_field
 from solver.sea.realization import components, regular
@@ -62,23 +62,6 @@ def test_a_line_is_strained_where_its_float_rests():
     assert not any("strained" in text for text in warnings(whole))
     (told,) = (text for text in warnings(whole, np.array([0.1 * 29.9])) if "strained" in text)
     assert "lines: line 1 is strained by 0.1" in told
-
-
-@pytest.mark.parametrize(("yaw", "told"), [(0.021, False), (0.019, True)])
-def test_that_a_mooring_by_angles_one_after_another_is_another_in_another_order_is_told(yaw, told):
-    item, _ = soft_mooring()
-    (barge,) = item.floats
-    mooring = Mooring(stiffness=tuple(map(tuple, np.diag([2e4, 2e4, 0, 0, 0, 2e6]).tolist())))
-    free = replace(barge, motion=DOFS, stiffness=0.0, damping=0.0, mooring=mooring)
-    tables = {"motion": np.zeros((1, 6, 5))}
-    tables["motion"][0, 3:, 4] = 0.02, 0.05, yaw
-    (text,) = list(ordered(replace(item, floats=(free,)), DOFS, tables)) or ("",)
-    assert ("yaw is another by" in text) is told
-    tables["motion"][0, 3:, 4] = 1e-15, 0.05, 1e-15  # in its plane, but for rounding
-    assert not list(ordered(replace(item, floats=(free,)), DOFS, tables))
-    by_axes = Mooring(stiffness=tuple(map(tuple, np.diag([2e6]).tolist())))
-    turning = replace(barge, motion=("yaw",), stiffness=0.0, damping=0.0, mooring=by_axes)
-    assert not list(ordered(replace(item, floats=(turning,)), ("yaw",), tables))
 
 
 def test_parts_of_a_power_take_off_that_is_not_there_are_told():

@@ -20,11 +20,12 @@ from solver.hydrodynamics.pressure.quadrature import WettedQuadrature, quadratur
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import shared
-from solver.mooring import line_stiffness, lines_of
+from solver.mooring import SIX, line_stiffness, lines_of, none
 from solver.multibody.bodies import Bodies
-from solver.multibody.chain import PRISMATIC, REVOLUTE
+from solver.multibody.chain import PRISMATIC, REVOLUTE, Chain
 from solver.multibody.joint_law import Couplings, EndStops, JointLaw, end_stops
 from solver.multibody.load_table import NO_POINTS, Points, tables
+from solver.multibody.moored import MooringRoom, Moorings
 from solver.scene import DOFS, PER_AXIS, Float, Scene
 from solver.sea.field import WaveField
 
@@ -135,7 +136,7 @@ def joint_law(items: tuple[Float, ...], carriers: int = 0) -> JointLaw:
     """The law of all joints' axes, its fields those of the floats; on the `carriers` coordinates before it is zero."""
     law = {name: _per_axis(items, name, carriers) for name in JointLaw._fields if name in PER_AXIS}
     stops = end_stops(*(_per_axis(items, f"end_stops.{name}", carriers) for name in EndStops._fields))
-    lines = [f.moored for f in items]
+    lines = [none(len(f.motion)) if f.moored_at_a_point else f.moored for f in items]
     K, C = (block_diag(np.zeros((carriers, carriers)), *(each[i] for each in lines)) for i in range(2))
     law["stiffness"] += law["pto_stiffness"] + np.diag(K)
     law["damping"] += np.diag(C)
@@ -144,7 +145,26 @@ def joint_law(items: tuple[Float, ...], carriers: int = 0) -> JointLaw:
     row, column = np.array(np.nonzero(((K != 0) | (C != 0)) & ~np.eye(len(K), dtype=bool)))
     couplings = Couplings(row, column, K[row, column], C[row, column])
     given = [NO_POINTS if axis is None else Points(*axis) for f in items for axis in f.pto_points]
-    return JointLaw(**law, end_stops=stops, couplings=couplings, tables=tables([NO_POINTS] * carriers + given))
+    every = tables([NO_POINTS] * carriers + given)
+    return JointLaw(**law, end_stops=stops, couplings=couplings, moorings=_moorings(items, carriers), tables=every)
+
+
+def _moorings(items: tuple[Float, ...], carriers: int) -> Moorings:
+    """Of the floats that are held at a point of theirs."""
+    first = carriers + np.cumsum([0, *(len(f.motion) for f in items)])
+    held = [(f, f.mooring, i) for f, i in zip(items, first, strict=False) if f.mooring and f.moored_at_a_point]
+    m, n = len(held), max((len(f.motion) for f, _, _ in held), default=0)
+    axes, kind, coordinate = (np.zeros(shape, np.int64) for shape in (m, (m, n), (m, n)))
+    direction, hinge, point, at_rest = (np.zeros(shape) for shape in ((m, n, 3), (m, n, 3), (m, 3), (m, n, n)))
+    K, C, pull = np.zeros((m, SIX, SIX)), np.zeros((m, SIX, SIX)), np.zeros((m, SIX))
+    for k, (f, mooring, start) in enumerate(held):
+        some = axes[k] = len(f.motion)
+        kind[k, :some], coordinate[k, :some] = f.turns, start + np.arange(some)
+        direction[k, :some], hinge[k, :some] = f.directions, f.hinge
+        point[k], at_rest[k, :some, :some] = np.add(f.centre, mooring.point), f.moored.damping
+        K[k], C[k], pull[k] = mooring.matrices
+    room = MooringRoom(np.zeros(3), np.zeros((3, 3)), np.zeros((SIX, n)), *np.zeros((4, SIX)))
+    return Moorings(axes, Chain(kind, direction, hinge, coordinate), point, K, C, pull, at_rest, room)
 
 
 def _per_axis(floats: Iterable[Float], name: str, carriers: int) -> np.ndarray:

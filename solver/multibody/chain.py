@@ -13,6 +13,7 @@ import numpy as np
 from solver.kernels import kernel
 
 PRISMATIC, REVOLUTE = 0, 1
+SMALL = 0.03  # angles [rad] of which a series knows more than what trigonometry leaves
 
 
 class Chain(NamedTuple):
@@ -38,6 +39,26 @@ def rotated(R: np.ndarray, v: np.ndarray | tuple[float, float, float]) -> tuple[
         R[1, 0] * v[0] + R[1, 1] * v[1] + R[1, 2] * v[2],
         R[2, 0] * v[0] + R[2, 1] * v[1] + R[2, 2] * v[2],
     )
+
+
+@kernel(inline="always")
+def rotation_vector(R: np.ndarray) -> tuple[float, float, float, float]:
+    """θ of the rotation R = exp[θ], |θ| < π, and k = (1 - ½|θ| cot ½|θ|)/θ² of `moment`."""
+    p, q, r = (R[2, 1] - R[1, 2]) / 2, (R[0, 2] - R[2, 0]) / 2, (R[1, 0] - R[0, 1]) / 2
+    sine, cosine = np.sqrt(p * p + q * q + r * r), (R[0, 0] + R[1, 1] + R[2, 2] - 1) / 2
+    angle = np.arctan2(sine, cosine)
+    long = angle / sine if sine > 0 else 1.0
+    k = (1 - angle * sine / (2 * (1 - cosine))) / angle**2 if angle > SMALL else 1 / 12 + angle**2 / 720
+    return long * p, long * q, long * r, k
+
+
+@kernel(inline="always")
+def moment(theta: tuple[float, float, float, float], mx: float, my: float, mz: float) -> tuple[float, float, float]:
+    """J⁻ᵀ m = m + θ × m/2 + k θ × (θ × m) about the axes of space, of m = -∂U/∂θ; rotations are dφ = J dθ."""
+    u, v, w, k = theta
+    tx, ty, tz = cross(u, v, w, mx, my, mz)
+    sx, sy, sz = cross(u, v, w, tx, ty, tz)
+    return mx + tx / 2 + k * sx, my + ty / 2 + k * sy, mz + tz / 2 + k * sz
 
 
 @kernel(inline="always")

@@ -10,7 +10,8 @@ stop is a spring and a damper beyond its bound, δ deep, that do not pull:
 
 WEC-Sim's stops are these (Simscape's "damped rebound") but for the pull of their damper on a float that leaves fast.
 Where a zone tells that the float has come free, what the spring still stores counts as lost at once.
-Lines couple the axes of a float: axis i has Σ Kᵢⱼ yⱼ more of f_spring and Σ Cᵢⱼ ẏⱼ more of f_loss, j its other axes.
+Lines couple the axes of a float: axis i has Σ Kᵢⱼ yⱼ more of f_spring and Σ Cᵢⱼ ẏⱼ more of f_loss, j its other axes;
+those at a point of it what `moored` says.
 At rest F_c holds the axis against up to as much, and so does a latch, which once it gives way does nothing until the
 axis comes to rest again. A power take-off that lets go beyond a load takes the axis again as it turns round. Powers
 f_pto ẏ (absorbed) and f_loss ẏ leave the scene, that of f_spring is stored. Motion, powers, record, both formulations
@@ -30,6 +31,7 @@ import numpy as np
 
 from solver.kernels import kernel
 from solver.multibody.load_table import Tables, table_load, table_slopes
+from solver.multibody.moored import Moorings, add_moored, add_moored_damping, moored_energy, moored_loss
 
 OPEN, PRESSED, RELEASED = 0, 1, 2  # zones of the stops; + at the upper one, - at the lower one
 LINEAR, SLIPS, LIMITED, HELD = 0, 1, 2, 3  # of the power take-off; SLIPS and LIMITED with the sign of the rate
@@ -72,6 +74,7 @@ class JointLaw(NamedTuple):
     one_way: np.ndarray  # (n,) by how much that load is less for motion in the negative sense; < 0: in the positive
     end_stops: EndStops
     couplings: Couplings
+    moorings: Moorings
     tables: Tables
 
 
@@ -171,38 +174,52 @@ def stop_energy(law: JointLaw, i: int, side: int, y: float) -> float:
 
 
 @kernel(inline="always")
-def add_coupled(law: JointLaw, y: np.ndarray, dy: np.ndarray, load: np.ndarray) -> None:
-    """What couplings put against the axes at positions y and rates dy (n,) is taken from their load (n,)."""
+def add_coupled(
+    law: JointLaw, y: np.ndarray, dy: np.ndarray, share: float, spring: np.ndarray, loss: np.ndarray
+) -> None:
+    """spring, loss (n,) += a share of what couplings and moorings put against the axes at y and dy (n,)."""
     row, column, stiffness, damping = law.couplings
     for e in range(row.size):
-        load[row[e]] -= stiffness[e] * y[column[e]] + damping[e] * dy[column[e]]
+        spring[row[e]] += share * stiffness[e] * y[column[e]]
+        loss[row[e]] += share * damping[e] * dy[column[e]]
+    if law.moorings.axes.size > 0:
+        add_moored(law.moorings, y, dy, share, spring, loss)
 
 
 @kernel(inline="always")
-def coupled_loss(law: JointLaw, dy: np.ndarray) -> float:
-    """Power that couplings take at rates dy (n,) [W]."""
+def coupled_loss(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> float:
+    """Power that couplings and moorings take at positions y and rates dy (n,) [W]."""
     row, column, _, damping = law.couplings
     power = 0.0
     for e in range(row.size):
         power += dy[row[e]] * damping[e] * dy[column[e]]
+    if law.moorings.axes.size > 0:
+        power += moored_loss(law.moorings, y, dy)
     return power
 
 
 @kernel(inline="always")
 def add_coupled_damping(law: JointLaw, share: float, matrix: np.ndarray) -> None:
-    """matrix (n, n) += a share of the couplings' damping, for Newton's matrix."""
+    """matrix (n, n) += a share of the couplings' and, at rest, the moorings' damping, for Newton's matrix."""
     row, column, _, damping = law.couplings
     for e in range(row.size):
         matrix[row[e], column[e]] += share * damping[e]
+    if law.moorings.axes.size > 0:
+        add_moored_damping(law.moorings, share, matrix)
 
 
 @kernel(inline="always")
 def coupled_energy(law: JointLaw, y: np.ndarray) -> float:
-    """Energy stored in the couplings at positions y (n,) [J]: half of each entry's, for both of a pair are there."""
+    """Energy stored in couplings and moorings at positions y (n,) [J].
+
+    Half of each coupling's, for both of a pair are there.
+    """
     row, column, stiffness, _ = law.couplings
     energy = 0.0
     for e in range(row.size):
         energy += 0.5 * stiffness[e] * y[row[e]] * y[column[e]]
+    if law.moorings.axes.size > 0:
+        energy += moored_energy(law.moorings, y)
     return energy
 
 

@@ -15,7 +15,7 @@ from solver.hydrodynamics.pressure.quadrature import WettedQuadrature
 from solver.hydrodynamics.pressure.wetted_panels import panels_pressure
 from solver.kernels import fast_lean_kernel, kernel, lean_kernel, part_kernel
 from solver.multibody.bodies import Bodies, Coordinates, Loads, Motion, PressureRoom, WaterLoads
-from solver.multibody.chain import Chain, cross, kinematics, rotated
+from solver.multibody.chain import Chain, cross, kinematics, moment, rotated, rotation_vector
 from solver.multibody.joint_law import (
     PTO_ZONE,
     STOP_ZONE,
@@ -27,7 +27,6 @@ from solver.multibody.joint_law import (
 )
 
 SWINGS = 5  # rounds in which the place that swings are of is found: each leaves kX of the last one's error
-SMALL = 0.03  # angles [rad] of which a series knows more than what trigonometry leaves
 
 
 @lean_kernel(forceinline=True)
@@ -99,13 +98,8 @@ def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarra
 
     J is that of rotations dφ = J dθ about the axes of space. What of the stiffness is not symmetric it makes of b.
     """
-    x, x0, R = motion.position[b], bodies.reference[b], motion.rotation[b]
-    p, q, r = (R[2, 1] - R[1, 2]) / 2, (R[0, 2] - R[2, 0]) / 2, (R[1, 0] - R[0, 1]) / 2
-    sine, cosine = np.sqrt(p * p + q * q + r * r), (R[0, 0] + R[1, 1] + R[2, 2] - 1) / 2
-    angle = np.arctan2(sine, cosine)
-    long = angle / sine if sine > 0 else 1.0
-    u, v, w = long * p, long * q, long * r
-    shift = (x[0] - x0[0], x[1] - x0[1], x[2] - x0[2], u, v, w)
+    x, x0, theta = motion.position[b], bodies.reference[b], rotation_vector(motion.rotation[b])
+    shift = (x[0] - x0[0], x[1] - x0[1], x[2] - x0[2], theta[0], theta[1], theta[2])
     for i in range(3):
         load[i] += bodies.buoyancy[b, i]
         for c in range(6):
@@ -115,13 +109,10 @@ def _linear_hydrostatics(bodies: Bodies, b: int, motion: Motion, load: np.ndarra
         mx -= (bodies.stiffness[b, 3, c] + bodies.stiffness[b, c, 3]) / 2 * shift[c]
         my -= (bodies.stiffness[b, 4, c] + bodies.stiffness[b, c, 4]) / 2 * shift[c]
         mz -= (bodies.stiffness[b, 5, c] + bodies.stiffness[b, c, 5]) / 2 * shift[c]
-    # J⁻ᵀ m = m + θ × m/2 + k θ × (θ × m), k = (1 - ½ |θ| cot ½|θ|)/θ²
-    k = (1 - angle * sine / (2 * (1 - cosine))) / angle**2 if angle > SMALL else 1 / 12 + angle**2 / 720
-    tx, ty, tz = cross(u, v, w, mx, my, mz)
-    sx, sy, sz = cross(u, v, w, tx, ty, tz)
-    load[3] += mx + tx / 2 + k * sx
-    load[4] += my + ty / 2 + k * sy
-    load[5] += mz + tz / 2 + k * sz
+    mx, my, mz = moment(theta, mx, my, mz)
+    load[3] += mx
+    load[4] += my
+    load[5] += mz
 
 
 @fast_lean_kernel(forceinline=True)
@@ -232,7 +223,7 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
     for i in range(at.z.size):
         load = axis_load(bodies.law, i, at.zone[STOP_ZONE, i], at.zone[PTO_ZONE, i], at.z[i], at.dz[i])
         out.residual[i] -= load.pto + load.loss + load.spring + bodies.mechanism[i] * at.ddz[i]
-    add_coupled(bodies.law, at.z, at.dz, out.residual)
+    add_coupled(bodies.law, at.z, at.dz, -1.0, out.residual, out.residual)
 
 
 @kernel(inline="always")
@@ -267,7 +258,7 @@ def powers(
         load = axis_load(bodies.law, i, at.zone[STOP_ZONE, i], at.zone[PTO_ZONE, i], at.z[i], at.dz[i])
         pto += load.pto * at.dz[i]
         loss += load.loss * at.dz[i]
-    return waves, radiation, pto, loss + coupled_loss(bodies.law, at.dz)
+    return waves, radiation, pto, loss + coupled_loss(bodies.law, at.z, at.dz)
 
 
 @part_kernel

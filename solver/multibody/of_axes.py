@@ -10,6 +10,7 @@ from solver.kernels import kernel, whole_lean_kernel
 from solver.multibody.joint_law import (
     RELEASED,
     JointLaw,
+    add_coupled,
     axis_energy,
     axis_load,
     coupled_energy,
@@ -45,10 +46,7 @@ def _fill(law: JointLaw, y: np.ndarray, dy: np.ndarray, loads: JointLoads) -> No
             load = axis_load(law, i, stops, zone, y[s, i], dy[s, i])
             left = elastic(law, i, stops, y[s, i]) if abs(stops) == RELEASED else 0.0
             loads.pto[s, i], loads.loss[s, i], loads.spring[s, i] = load.pto, load.loss - left, load.spring + left
-        row, column, stiffness, damping = law.couplings
-        for e in range(row.size):
-            loads.spring[s, row[e]] += stiffness[e] * y[s, column[e]]
-            loads.loss[s, row[e]] += damping[e] * dy[s, column[e]]
+        add_coupled(law, y[s], dy[s], 1.0, loads.spring[s], loads.loss[s])
 
 
 def pto_loads(law: JointLaw, y: np.ndarray, dy: np.ndarray) -> np.ndarray:

@@ -260,10 +260,15 @@ class Float:
         if self.mooring is None:
             return none(len(self.motion))
         J, n = self._jacobian(np.add(self.arm, self.mooring.point)), len(self.motion)
-        H = np.zeros((n, n, 3))  # as an axis turns about n, what later ones move it by turns, too: n × J
+        H = np.zeros((n, n, 6))  # as an axis turns about n, what later ones move it by turns, too: n × J
         for i, j in zip(*np.triu_indices(n), strict=True):
-            H[i, j] = H[j, i] = np.cross(J[3:, i], J[:3, j])
+            H[i, j] = H[j, i] = *np.cross(J[3:, i], J[:3, j]), *np.cross(J[3:, i], J[3:, j]) / 2
         return self.mooring.on_axes(J, H)
+
+    @property
+    def moored_at_a_point(self) -> bool:
+        """Whether that is so by matrices 6 x 6 near rest alone, for some axis turns."""
+        return self.mooring is not None and len(self.mooring.stiffness) == SIX and bool(self.turns.any())
 
     def _jacobian(self, lever: Sequence[float] | np.ndarray) -> np.ndarray:
         """Motion (6, n) of a point, from the hinge on (3,), by the joint's axes, at rest."""

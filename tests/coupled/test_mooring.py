@@ -9,6 +9,7 @@ import pytest
 from numba import typeof
 from pytest import approx
 from scipy.linalg import expm, solve
+from scipy.spatial.transform import Rotation
 
 from solver.coupled.assembly import joint_law
 from solver.coupled.linear import linear_model
@@ -20,7 +21,7 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
 from solver.multibody.bodies import new_motion
 from solver.multibody.minimal import move
-from solver.multibody.of_axes import joint_loads
+from solver.multibody.of_axes import joint_energy, joint_loads
 from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import DOFS, EndStops, Float, Scene, Settings, Water
@@ -130,8 +131,75 @@ def test_six_by_six_is_of_the_reference_point():
         assert y @ slack @ y == approx(x @ six @ x, rel=1e-3)
         assert y @ moored.pretension == approx(x @ pull, rel=1e-3)
         # What is even in y is of second order: the point goes round, and the pull with it.
-        even = (moved(bodies, 300 * y) + moved(bodies, -300 * y))[:3] / 300**2
-        assert y @ (moored.stiffness - slack) @ y == approx(-pull[:3] @ even, rel=1e-3)
+        even = (moved(bodies, 300 * y) + moved(bodies, -300 * y)) / 300**2
+        assert y @ (moored.stiffness - slack) @ y == approx(-pull @ even, rel=1e-3)
+
+
+def law_of(motion, **given):
+    """Of a float that is moored off its reference point, hinged off it, too."""
+    joint = {"hinge": (0.5, -0.4, -1.0), "arm": (-0.5, 0.4, 1.0), "axis": (0.6, 0.8, 0.0)}
+    return joint_law((floating(motion=motion, **joint, mooring=Mooring(point=(0.3, 0.2, -0.7), **given)),))
+
+
+def against(law, y, dy):
+    """Load and energy of the axes at y (n,), and the power that is lost at rates dy (n,)."""
+    loads = joint_loads(law, y[None], dy[None])
+    return loads.spring[0], joint_energy(law, y), float(loads.loss[0] @ dy)
+
+
+def random_lines(seed=5):
+    six = np.random.default_rng(seed).normal(size=(2, 6, 6))
+    K, C = 1e4 * (six[0] @ six[0].T), 1e3 * (six[1] @ six[1].T)
+    return {"stiffness": rows(K), "damping": rows(C), "pretension": tuple(1e3 * np.arange(1.0, 7.0))}
+
+
+@pytest.mark.parametrize("motion", [DOFS, ("yaw", "surge", "pitch", "roll"), PLANAR, ("hinge",)])
+def test_lines_at_a_point_have_a_potential_and_take_power(motion):
+    law, rng = law_of(motion, **random_lines()), np.random.default_rng(1)
+    for size in (1e-3, 0.02, 0.7):  # below and above where a series is taken for an angle
+        y, dy = size * rng.uniform(-1, 1, (2, len(motion)))
+        spring, _, lost = against(law, y, dy)
+        steps = 1e-6 * np.eye(y.size)
+        slope = [(against(law, y + h, dy)[1] - against(law, y - h, dy)[1]) / 2e-6 for h in steps]
+        assert spring == approx(slope, rel=1e-6, abs=1e-6 * np.abs(spring).max())
+        assert lost > 0
+
+
+def test_lines_at_a_point_are_the_same_whatever_turns_the_float_first():
+    """One pose, reached by roll, pitch, yaw or yaw, pitch, roll, has one energy; and one load, seen from either."""
+    given, angle = random_lines(), np.array([0.5, -0.4, 0.6])
+    shift, joints = np.array([0.3, -0.2, 0.1]), ((*LEVEL[:2], "heave", *DOFS[3:]), (*LEVEL[:2], "heave", *DOFS[:2:-1]))
+    one, two = (law_of(motion, **given) for motion in joints)
+    turned = Rotation.from_euler("XYZ", angle)  # about axes that the float carries
+    there = np.concatenate([shift, turned.as_euler("ZYX")])
+    (load, energy, _), (other, same, _) = (
+        against(law, y, np.ones(6)) for law, y in ((one, np.concatenate([shift, angle])), (two, there))
+    )
+    assert energy == approx(same, rel=1e-12) and load[:3] == approx(other[:3], rel=1e-10)
+    assert abs(load[3:] - other[:2:-1]).max() > 0.05 * abs(load).max()  # axes that lie otherwise
+    # A float at the point, turned by 0.4 about one axis and held by a spring against surge alone.
+    law = joint_law((floating(motion=DOFS[4:5], hinge=(0, 0, 2.0), arm=(0, 0, -2.0),
+                              mooring=lines(np.diag([1e4, 0, 0, 0, 0, 0]))),))  # fmt: skip
+    assert against(law, np.array([0.4]), np.ones(1))[0] == approx(1e4 * 4.0 * np.sin(0.4) * np.cos(0.4), rel=1e-12)
+
+
+def test_a_single_axis_may_turn_more_than_once():
+    law = joint_law((floating(motion=("yaw",), mooring=lines(np.diag([1e4, 0, 0, 0, 0, 700.0]))),))
+    spring, energy, _ = against(law, np.array([7.0]), np.ones(1))
+    assert spring == approx([4900.0]) and energy == approx(0.5 * 700 * 49)
+
+
+def test_a_free_body_swings_far_on_six_by_six_and_loses_no_energy():
+    given = random_lines() | {"damping": None, "pretension": None}
+    start = (0.4, -0.3, 0.2, 0.5, -0.4, 0.6)
+    item = floating(motion=DOFS, mooring=Mooring(**given), offset=start)
+    scene = dry(item, 10.0, time_step=0.02)
+    record = simulate(replace(scene, water=Water(depth=inf, gravity=1e-9)))
+    turning = record.series["motion"][1][:, 0, 3:]
+    assert np.abs(turning).max() > 0.5 and record.attrs["energy_residual"] < 1e-5
+    damped = floating(motion=DOFS, mooring=Mooring(**(random_lines() | {"pretension": None})), offset=start)
+    lost = simulate(replace(dry(damped, 60.0, time_step=0.02), water=Water(depth=inf, gravity=1e-9)))
+    assert lost.attrs["work_joint_damping"] == approx(joint_energy(joint_law((item,)), np.array(start)), rel=1e-3)
 
 
 def test_a_diagonal_matrix_is_the_stiffness_of_each_axis():
@@ -224,12 +292,16 @@ def test_time_and_frequency_have_the_same_answer_and_the_energy_closes():
     assert time.attrs["work_joint_damping"] > 0
 
 
-def test_reference_and_fast_path_agree():
+@pytest.mark.parametrize("size", [3, 6])
+def test_reference_and_fast_path_agree(size):
     whole, known = awkward.soft_mooring()
     (item,) = whole.floats
     stiffness = np.diag(item.per_axis("stiffness")) + np.array([[0, 0, -2e4], [0, 5e3, 0], [-2e4, 0, 6e5]])
     damping = np.array([[2e3, 0, 3e3], [0, 1e3, 0], [3e3, 0, 2e4]])
-    item = replace(item, stiffness=0.0, damping=0.0, mooring=lines(stiffness, damping, (500.0, -2e3, 1e3)))
+    at, pull = [DOFS.index(axis) for axis in item.motion] if size == 6 else range(3), np.zeros(size)
+    held = np.zeros((2, size, size))
+    held[:, *np.ix_(at, at)], pull[at] = (stiffness, damping), (500.0, -2e3, 1e3)
+    item = replace(item, stiffness=0.0, damping=0.0, mooring=lines(*held, pull), offset=(0.3, -0.2, 0.15))
     settings = replace(whole.settings, duration=6.0, discard=0.0, ramp=3.0, keep_series=True, time_step=0.1)
     scene = replace(whole, floats=(item,), settings=settings)
     fast = simulate(scene, known)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from pytest import approx
 
 import solver
+from solver.coupled.assembly import joint_law
 from solver.multibody.joint_law import (
     HELD,
     LIMITED,
@@ -52,6 +53,7 @@ LAW = JointLaw(
         np.array([0.0, 3e3, 0.0, 0.0, 2e3]),
     ),
     couplings=Couplings(*np.zeros((2, 0), np.int64), *np.zeros((2, 0))),
+    moorings=joint_law(()).moorings,
     tables=tables([NO_POINTS] * 5),
 )
 AXES = range(LAW.pto_damping.size)
