@@ -31,13 +31,21 @@ RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
 
 def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     """Sentences for the user, the key first; joints (nj,): at rest, where that is known."""
+    return (*of_undamped(scene, joints), *idle(scene))
+
+
+def idle(scene: Scene) -> Iterator[str]:
+    """A sentence for each part that is given of a power take-off that is not there."""
+    for f in scene.floats:
+        yield from (f"floats.{f.name}.{part}: does nothing without a power take-off" for part in f.idle)
+
+
+def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
+    """Those that go by no damper."""
     sentences = [*_of_water(scene)]
     sentences += [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in _of_units(f)]
-    sentences += [
-        f"floats.{f.name}.{idle}: does nothing without a power take-off" for f in scene.floats for idle in f.idle
-    ]
     sentences += [*_of_lines(scene, joints)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
     for group in scene.sharing:

@@ -65,12 +65,15 @@ def test_a_line_is_strained_where_its_float_rests():
 
 
 def test_parts_of_a_power_take_off_that_is_not_there_are_told():
-    item, _ = flap()
+    item, h = flap()
     (f,) = item.floats
     parts = {"force_limit": 1e5, "one_way": 1.0, "pto_efficiency": PtoEfficiency(generating=0.9)}
     for damping, told in ((0.0, 3), (1e6, 0)):
         texts = warnings(replace(item, floats=(replace(f, pto_damping=damping, **parts),)))
         assert sum("does nothing without a power take-off" in text for text in texts) == told
+    lines = replace(item, floats=(replace(f, pto_damping=1e6, **(parts | {"one_way": 0.0})),))
+    record = simulate(replace(lines, settings=replace(item.settings, method="frequency", froude_krylov="linear")), h)
+    assert "does nothing" not in record.attrs.get("warnings", "")
     assert not any("does nothing" in text for text in warnings(replace(item, floats=(replace(f, pto_damping=0.0),))))
 
 

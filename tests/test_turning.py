@@ -127,7 +127,7 @@ def test_what_ends_a_run_is_told_of_the_axis_and_of_the_water():
         assert told.startswith("drum pitch at +1.60 at t = 3.0 s, beyond -1.57 to +1.57: the float is turned over;")
         assert words in told
         told = limits.explain(scene, np.array([3.2, 0.0]), bounds, "at t = 3.0 s")
-        assert "too far round for linear pressure" in told and "sea" not in told
+        assert "too far round, beside axes that tilt floats, for linear pressure" in told and "sea" not in told
 
 
 def test_a_hinge_swings_through_beneath_to_one_side_and_turns_over_to_the_other():

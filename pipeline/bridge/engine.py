@@ -140,7 +140,7 @@ def compute(parameters: Parameters, coefficients: bytes | None) -> Record:
         cog = cog + [offset(item.hull) for item in parameters.floats]  # from the study's reference points
         told = {"mass": (("float",), mass), "cog": (("float", "direction"), cog)}
         record = replace(record, variables={**record.variables, **told})
-    if "hold" in sought:
+    if "hold" in sought and any(f.motion for f in scene.floats):
         from solver.record.channels import Channels
 
         channels, preload = Channels(scene, None), np.concatenate([f.per_axis("preload") for f in scene.floats])

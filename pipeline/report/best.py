@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeline.report.energy import OF, powers
 from pipeline.report.yearly import (
+    FAILED,
     LEVEL,
     Table,
     by_sea,
@@ -31,8 +32,8 @@ CHOSEN = ("pto_damping", "hinge_spacing")  # and any axis of the floats' keys
 TITLE = "Best in each sea state"
 NOTE = (
     f"Of all floats, mean over realizations; low and high: {LEVEL:.0%} by Student's t. All seas: by their occurrence."
-    " A number at an end of its axis may be exceeded beyond. Compared are designs that have all realizations of a sea"
-    " that any has."
+    " A number at an end of its axis may be exceeded beyond; any: all have the same. Compared are designs that have all"
+    " realizations of a sea that any has."
 )
 PAIRED = (
     f" The next best has less by the mean of the differences in the same waves, in brackets {LEVEL:.0%}; undecided: 0"
@@ -51,6 +52,12 @@ class _Compared(NamedTuple):
     def least(self) -> float:
         """By what powers differ."""
         return SAME * abs(float(self.mean.isel(self.at)))
+
+    @property
+    def alike(self) -> bool:
+        """Whether several do not: as where all of them survive a storm by the same settings."""
+        several = int(self.mean.notnull().sum()) > 1
+        return several and float(self.mean.max() - self.mean.min()) <= self.least
 
 
 def table(data: xr.Dataset) -> Table:
@@ -87,7 +94,8 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
                 continue
             at = {dim: int(place) for dim, place in mean.argmax(designs).items()}
             of = _Compared(mean, at, over_seas(each.isel(at, drop=True) - each, some))
-            chosen = ", ".join(_label(mean[dim], at[dim]) + " (an end)" * _at_end(of, dim) for dim in designs)
+            named_by = (_label(mean[dim], at[dim]) + " (an end)" * _at_end(of, dim) for dim in designs)
+            chosen = "any" if of.alike else ", ".join(named_by)
             if (known := int(mean.notnull().sum())) < mean.size:
                 chosen += f" (of {known} among {mean.size})"
             second = _next_best(of, scale) if _several(data) else ()
@@ -131,7 +139,8 @@ def _label(axis: xr.DataArray, place: int) -> str:
 
 
 def _along(axis: xr.DataArray) -> list[tuple[Hashable, xr.DataArray]]:
-    return [(name, other) for name, other in axis.coords.items() if name != axis.name and other.dims == axis.dims]
+    others = ((name, other) for name, other in axis.coords.items() if name not in (axis.name, FAILED))
+    return [(name, other) for name, other in others if other.dims == axis.dims]
 
 
 def _at_end(of: _Compared, dim: Hashable) -> bool:

@@ -186,7 +186,7 @@ def _coordinates(
     """Labels along every dimension; an axis with one value is a scalar; heights and periods go with the sea state."""
     coords = {}
     varied = {axis.name: axis for axis in study.content.varied}
-    motions = {motion for f in study.content.floats for motion in f.motion}
+    motions = {f.name: f.motion for f in study.content.floats}
     for name, values in table.items():
         labels = _words_or_numbers(values)
         attrs = meaning_of(varied[name], motions) if name in varied else meaning(name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from pipeline.study.axes import Axis, labels, last
@@ -270,8 +270,8 @@ def _spectral(of: dict[str, str], pattern: str, words: str) -> dict[str, str]:
     return {**units, "long_name": f"{words}: {of['long_name']}"}
 
 
-def meaning_of(axis: Axis, motions: Collection[str]) -> dict[str, str]:
-    """Attributes of a dimension over keys: unit and path of its only key; motions: of all floats' joints."""
+def meaning_of(axis: Axis, motions: Mapping[str, Collection[str]]) -> dict[str, str]:
+    """Attributes of a dimension over keys: unit and path of its only key; motions: of each float's joint."""
     if axis.name in COORDINATES and not any(" or " in unit(path) for path in axis.keys):  # which goes by the motions
         return COORDINATES[axis.name].attrs()
     if not axis.own:
@@ -280,7 +280,7 @@ def meaning_of(axis: Axis, motions: Collection[str]) -> dict[str, str]:
     return _of_path(next(iter(axis.keys)), axis.labels, motions)
 
 
-def along(axis: Axis, motions: Collection[str]) -> Iterator[tuple[str, tuple[Any, ...], dict[str, str]]]:
+def along(axis: Axis, motions: Mapping[str, Collection[str]]) -> Iterator[tuple[str, tuple[Any, ...], dict[str, str]]]:
     """Name, values and attributes of what changes together along a dimension."""
     for path, values in axis.keys.items():
         if not axis.own and path not in axis.partial:
@@ -292,16 +292,18 @@ def along(axis: Axis, motions: Collection[str]) -> Iterator[tuple[str, tuple[Any
         yield name, labels(values), {"long_name": name.replace("_", " "), **unit_of}
 
 
-def _of_path(path: str, shown: Sequence[object], motions: Collection[str]) -> dict[str, str]:
+def _of_path(path: str, shown: Sequence[object], motions: Mapping[str, Collection[str]]) -> dict[str, str]:
     attrs = {"long_name": f"{last(path).replace('_', ' ')} ({path})"}
     if isinstance(shown[0], str):
         return attrs
     turning, _, sliding = unit(path).partition(" or ")
     if "." in last(path) and (sliding or "," in turning):
         return attrs  # a place of a list whose numbers have several units
-    if sliding and set(motions) & SLIDING and set(motions) - SLIDING:
+    own = [motions[name] for name in path.split(".")[1:2] if path.startswith("floats.") and name in motions]
+    along = {axis for each in own or motions.values() for axis in each}
+    if sliding and along & SLIDING and along - SLIDING:
         return attrs  # some of the axes turn and some slide
-    return {"units": _udunits(sliding if sliding and set(motions) <= SLIDING else turning), **attrs}
+    return {"units": _udunits(sliding if sliding and along <= SLIDING else turning), **attrs}
 
 
 def _udunits(symbol: str) -> str:

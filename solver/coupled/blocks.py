@@ -26,6 +26,8 @@ from solver.errors import SimulationFailed, StepTooLong
 from solver.limits import slides
 from solver.scene import falls_at
 
+FLOWN = 1e3  # [m or rad]: a joint so far off was shot there by a step that its laws are too stiff for
+
 
 def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[tuple[np.ndarray, Output, np.ndarray]]:
     """March from step `done` to step `steps`, yielding (wave samples, output, times) block by block.
@@ -52,6 +54,8 @@ def blocks(system: System, state: State, steps: int, done: int = 0) -> Iterator[
 
 def _failure(outcome: int, t: float, system: System, state: State) -> SimulationFailed:
     when = f"at t = {t:.1f} s"
+    if outcome == EXCURSION and np.abs(state.z[len(state.z) - system.scene.offsets.size :]).max(initial=0.0) > FLOWN:
+        return StepTooLong(f"a joint flew off {when}: reduce time_step = {system.dt:g} s", t=t)
     if outcome == EXCURSION:
         told = limits.explain(system.scene, state.z, system.bodies.limit, when)
         return SimulationFailed(told + _stability(system, state.z))

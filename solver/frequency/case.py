@@ -21,7 +21,7 @@ from solver.keys import Bits
 from solver.lines import real_by_complex
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import DAMPERS, damped, dampers
-from solver.oddities import warnings
+from solver.oddities import of_undamped
 from solver.record.channels import Channels
 from solver.record.effects import unlike
 from solver.record.response import carried
@@ -110,7 +110,7 @@ class Case:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What is odd about the scene."""
-        return warnings(self.system.scene, self.system.joints_at_rest)
+        return of_undamped(self.system.scene, self.system.joints_at_rest)
 
     @cached_property
     def met(self) -> np.ndarray:

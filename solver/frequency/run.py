@@ -24,7 +24,7 @@ from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
-from solver.oddities import beyond_tables, drag_driven, not_gaussian, of_motions, stopped
+from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, stopped
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -87,6 +87,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     doubted = () if slipping else doubts(scene.settings, errors)  # which says why by itself
     if notes := (
         *case.warnings,
+        *idle(scene),
         *of_motions(scene, channels.axes, tables),
         *beyond,
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),

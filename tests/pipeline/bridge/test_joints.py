@@ -447,6 +447,8 @@ def test_a_float_that_is_held_has_its_preload_told(study_with, monkeypatch):
     dims, load_ = told.variables["preload"]
     at = [told.coords["axis"].tolist().index("hinge")]
     assert dims == ("float", "axis") and load_[1, at] == pytest.approx(rotor.preload) and np.isnan(load_[0, at])
+    fixed = task(study_with(FREE.replace('"surge", "heave", "pitch"', "") + "hold = true\n"))  # has no axis
+    assert not engine.compute(fixed.parameters, None).variables
 
 
 @pytest.mark.parametrize(

@@ -119,12 +119,22 @@ def test_a_sample_has_no_end_and_tells_its_values():
     data = data.assign_coords({"floats.only.mass": ("sample", [5e3, 6e3, 7e3])})
     assert [line[1] for line in rows(data)] == ["sample 1 (only.mass 5000)", "sample 3 (only.mass 7000)"]
     alike = dataset([4, 4, 4], [1, 1, 1])
-    assert {line[1] for line in rows(alike)} == {"pto_damping 100000"}
+    assert {line[1] for line in rows(alike)} == {"any"}
 
 
 def test_a_single_sea_has_its_name():
     one = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(sea_state=[1], platform=0, drop=True)
     assert [line[0] for line in rows(one)] == ["rough"]
+
+
+def test_of_a_single_sea_and_realization_an_end_is_told():
+    """Where no dimension but the designs' is left, along which what failed lies, too."""
+    one = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(sea_state=1, platform=0, seed=0)
+    assert [line[1] for line in rows(one)] == ["pto_damping 400000 (an end)"]
+    sample = one.rename(pto_damping="sample").assign_coords(sample=("sample", [1, 2, 3]))
+    sample["sample"].attrs["long_name"] = "floats.only.mass"
+    sample = sample.assign_coords({"floats.only.mass": ("sample", [5e3, 6e3, 7e3])})
+    assert [line[1] for line in rows(sample)] == ["sample 3 (only.mass 7000)"]
 
 
 def test_with_an_efficiency_the_best_is_that_of_electrical_power():

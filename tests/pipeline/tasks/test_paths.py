@@ -373,7 +373,7 @@ def test_places_of_a_list_are_sampled_as_whole_lists_would_be_varied(small):
     (axis,) = study.content.varied
     x, y = (axis.keys[path] for path in ("floats.front.hinge.0", "floats.*.hinge.1"))
     assert [*axis.names.values()] == ["hinge.0", "hinge.1"] and len({*x, *y}) == 6
-    shown = {name: (values, attrs["units"]) for name, values, attrs in along(axis, ["hinge"])}
+    shown = {name: (values, attrs["units"]) for name, values, attrs in along(axis, {"front": ["hinge"]})}
     assert shown == {"hinge.0": (x, "m"), "hinge.1": (y, "m")}
     places = {
         f: [[at, across, 2.6] for at, across in zip(xs, y, strict=True)]
@@ -416,7 +416,7 @@ UNITS = {
 @pytest.mark.parametrize("path", UNITS)
 def test_a_place_of_a_list_has_the_unit_of_the_list_where_that_is_one(path):
     axis = Axis("a", (1, 2), {path: (1.0, 2.0)}, own=True)
-    assert meaning_of(axis, ["hinge"]).get("units") == UNITS[path]
+    assert meaning_of(axis, {"front": ["hinge"]}).get("units") == UNITS[path]
 
 
 @pytest.mark.parametrize(
@@ -425,7 +425,7 @@ def test_a_place_of_a_list_has_the_unit_of_the_list_where_that_is_one(path):
 def test_damping_has_the_unit_that_goes_with_the_motions(motions, unit):
     """Also where its dimension is called as the axis over all power take-offs is."""
     axis = Axis("pto_damping", (1.0, 2.0), {"floats.front.pto_damping": (1.0, 2.0)}, own=True)
-    assert meaning_of(axis, motions).get("units") == unit
+    assert meaning_of(axis, {"front": motions, "rear": ["surge", "yaw"]}).get("units") == unit
 
 
 def test_a_dimension_has_the_last_word_or_the_whole_path_where_two_would_clash(small):
