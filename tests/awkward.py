@@ -47,6 +47,7 @@ def known(item: Scene, low: float, high: float, count: int = 24, panels: int = S
     return solve(
         tuple(f.hull for f in item.floats), np.array([f.centre for f in item.floats]), depth=item.water.depth,
         heading=item.sea.heading, omega=np.linspace(low, high, count), planar=item.planar, panels=panels,
+        interaction=item.settings.interaction,
     )  # fmt: skip
 
 

@@ -23,6 +23,7 @@ import numpy as np
 from solver.coupled.equilibrium import symmetric_stiffness
 from solver.coupled.system import Resting, System, known_differences
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.kernels import whole_lean_kernel
 from solver.lines import real_by_complex
 from solver.multibody.bodies import Bodies, new_motion
 from solver.multibody.minimal import move
@@ -144,12 +145,25 @@ def _linear_model(scene: Resting, sizes: tuple[float, ...]) -> LinearModel:
 
 def jacobian(body: Bodies, z: np.ndarray) -> np.ndarray:
     """Motion (nb, 6, nz) of the reference points for unit coordinates."""
-    motion = new_motion(body)
-    move(body, z, np.zeros(z.size), motion)
-    J = np.zeros((body.axes.size, 6, z.size))
-    for b, n in enumerate(body.axes):
-        J[b][:, body.coordinate[b, :n]] = motion.jacobian[b, :, :n]
+    return jacobians(body, z[None])[0]
+
+
+def jacobians(body: Bodies, z: np.ndarray) -> np.ndarray:
+    """The same (m, nb, 6, nz) at many z (m, nz)."""
+    J = np.zeros((len(z), body.axes.size, 6, z.shape[1]))
+    _fill_jacobians(body, np.ascontiguousarray(z), J)
     return J
+
+
+@whole_lean_kernel
+def _fill_jacobians(body: Bodies, z: np.ndarray, J: np.ndarray) -> None:
+    motion = new_motion(body)
+    for k in range(len(z)):
+        move(body, z[k], z[k], motion)  # rates are not asked for
+        for b in range(body.axes.size):
+            for i in range(body.axes[b]):
+                for r in range(6):
+                    J[k, b, r, body.coordinate[b, i]] = motion.jacobian[b, r, i]
 
 
 def wave_force(model: LinearModel, excitation: np.ndarray, modal: np.ndarray) -> np.ndarray:

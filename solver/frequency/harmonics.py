@@ -1,49 +1,112 @@
-"""What one wave moves where arms turn exactly, by harmonic balance: to tell how much the linear response errs.
+"""What waves move where arms turn exactly, by harmonic balance: to tell how much the linear response errs.
 
-x = X₀ + Re Σ Xₖ exp(-ikωt), k < HARMONICS. With the loads JᵀW of the march's own kernel at some instants of a period,
-the waves' and the radiated ones W' on levers J(z) that turn, and N what all of it has beyond the linear model's loads,
+x = X₀ + Re Σ Xₘ exp(-i m·ω t) over sums m·ω of the frequencies of a wave or two, of some order at most. With the loads
+JᵀW of the march's own kernel at some instants, the waves' and the radiated ones W' on levers J(z) that turn, and N what
+all of it has beyond the linear model's loads,
 
-    Z(kω) Xₖ = Fₖ + Nₖ(X)
+    Z(m·ω) Xₘ = Fₘ + Nₘ(X)
 
-again until it agrees with its own result. Drag, dampers and bent laws stay as they were linearised.
+again until it agrees with its own result. Drag, dampers and bent laws stay as they were linearised. The instants are
+those of waves whose frequencies are whole numbers, `steps`, of which no two sums are the same.
+
+For a sea two of its waves stand that share what turns the arms, each as high as half of that is. Their own lines tell
+by how much the linear response is more or less, sums and differences what is there besides; beside the sea's response.
+n equal waves have 1 - 1/2n of what Gaussian ones make: the part along x of x³ is 3(1 - 1/2n)σ²x, and so is the square
+of x² at sums of frequencies; that at differences 1 - 1/n.
 """
 
+from collections.abc import Iterator
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from solver.coupled.equilibrium import balance
-from solver.coupled.linear import impedance_anywhere, jacobian
+from solver.coupled.linear import impedance_anywhere, jacobian, jacobians
 from solver.frequency.case import Case
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
+from solver.lines import real_by_complex
 from solver.multibody.joint_law import JointLaw
-from solver.record.effects import force_error, response_error
 from solver.record.probe import UNTOLD
+from solver.record.response import absorbs
+from solver.record.sampling import least_force
 from solver.statistics import FAINT
 
-HARMONICS, INSTANTS = 6, 24  # ten change what is told by less than 1e-4 of it, up to 0.3 rad
 ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
 AGREED = 0.02  # last change of the harmonics, of what turning changes of them
-PHASES = np.exp(-2j * np.pi * np.outer(np.arange(INSTANTS), np.arange(HARMONICS)) / INSTANTS)
 
 
-class _Wave(NamedTuple):
-    """What stays from round to round; all by harmonics."""
+class _Lattice(NamedTuple):
+    """Of nw waves; nt instants."""
 
-    omega: np.ndarray  # kω (nk,)
+    sums: np.ndarray  # m (nk, nw), none of them first
+    own: np.ndarray  # (nw,) which are the waves' own
+    phases: np.ndarray  # (nt, nk)
+    back: np.ndarray  # (nt, nk) from the instants to lines
+
+    @classmethod
+    def of(cls, steps: tuple[int, ...], order: int, instants: int) -> "_Lattice":
+        """All sums of an order at most, each or its negative."""
+        every = product(range(-order, order + 1), repeat=len(steps))
+        some = [m for m in every if 0 < sum(map(abs, m)) <= order and next(n for n in m if n) > 0]
+        sums = np.array([(0,) * len(steps), *some])
+        own = [some.index(tuple(row)) + 1 for row in np.eye(len(steps), dtype=int).tolist()]
+        phases = np.exp(-2j * np.pi * np.outer(np.arange(instants), sums @ steps) / instants)
+        share = np.where(sums.any(axis=1), 2.0, 1.0) / instants
+        return cls(sums, np.array(own), phases, share * phases.conj())
+
+    def at_instants(self, lines: np.ndarray) -> np.ndarray:
+        """(nt, n) of lines (nk, n)."""
+        return self.phases.real @ lines.real - self.phases.imag @ lines.imag
+
+    def lines(self, x: np.ndarray) -> np.ndarray:
+        """(nk, n) of what is so at the instants (nt, n)."""
+        return real_by_complex(x.T, self.back).T
+
+    def first(self, lines: np.ndarray) -> np.ndarray:
+        """(nk, …) of the waves' own (nw, …)."""
+        every = np.zeros((len(self.sums), *lines.shape[1:]), complex)
+        every[self.own] = lines
+        return every
+
+
+ONE = _Lattice.of((1,), 5, 24)  # ten harmonics change what is told by less than 1e-4 of it, up to 0.3 rad
+TWO = _Lattice.of((1, 7), 3, 25)
+
+
+class _Waves(NamedTuple):
+    """What stays from round to round; all by lines."""
+
+    lattice: _Lattice
+    more: np.ndarray  # (nk,) times what these lines show is what those make for which they stand
+    omega: np.ndarray  # m·ω (nk,); below zero the conjugate's
     Y: np.ndarray  # (nk, na, na)
     excitation: np.ndarray  # (nk, nb, 6)
+    force: np.ndarray  # on the floats' coordinates by that, at rest (nk, nz)
+    against: np.ndarray  # load against these (nk, nz, nz), of the linear model
 
 
-def turning_effect(case: Case, law: JointLaw, response: Response, frame: Forces) -> float:
-    """Relative error of any std, mean power or force of a response to one wave; UNTOLD where no round agrees."""
-    wave, linear = _wave(case), np.zeros((HARMONICS, response.X.shape[1]), complex)
-    linear[1] = response.X[0]
-    Z = case.model.dynamic_stiffness(wave.omega, wave.Y) - 1j * wave.omega[:, None, None] * response.damping
-    X, length = linear, case.model.length
+def turning_effect(
+    case: Case, law: JointLaw, response: Response, frame: Forces, angles: np.ndarray, slow: np.ndarray
+) -> float:
+    """Relative error of any std, mean power or force of a response; UNTOLD where no round agrees.
+
+    angles (nz,): which of the floats' coordinates turn a lever. slow (m, n): shapes, of unit inertia, of resonances
+    below the waves, or of no stiffness. What differences of frequencies do to these is not theirs of two waves alone:
+    see rotation.slow_motions.
+    """
+    standing = _standing(case, response, angles)
+    waves, (place, height, _) = _waves(case, standing), standing
+    lattice, omega, length = waves.lattice, waves.omega, case.model.length
+    linear = lattice.first((response.X[place].T * height).T)
+    Z = case.model.dynamic_stiffness(omega, waves.Y) - 1j * omega[:, None, None] * response.damping
+    below = np.flatnonzero(np.abs(omega) < case.waves.min())[1:]
+    X = linear
     for _ in range(ROUNDS):
-        more, wrench = _beyond(case, wave, X)
+        with np.errstate(over="ignore", invalid="ignore"):
+            more, wrench = _beyond(case, waves, X)
+        more[below] -= (more[below] @ slow.T) @ (slow @ case.model.mass)
         before, X = X, linear.copy()
         X[0] += case.shift(more[0].real)
         X[1:] += np.linalg.solve(Z[1:], more[1:, :, None])[..., 0]
@@ -51,86 +114,123 @@ def turning_effect(case: Case, law: JointLaw, response: Response, frame: Forces)
         if not np.isfinite(change):
             break
         if change <= AGREED * whole:
-            force = case.channels.hinge_force
-            motions = response_error(case.system, law, wave.omega[1:], linear[1:], X[1:])
-            forces = force_error(case.system, force(_first(response.wrench)), force(wrench[1:]))
-            return max(motions, forces, _of_frame(case, wave.omega[1:], frame, (X - linear)[1:]))
+            force, borne = case.channels.hinge_force, (response.wrench[place].T * height).T
+            return max(
+                *_of_motions(case, law, waves, response, linear, X),
+                *_of_forces(case, waves, force(response.wrench), force(lattice.first(borne)), force(wrench)),
+                *_of_frame(case, waves, frame, (frame.lines[place].T * height).T, X - linear),
+            )
     return UNTOLD
 
 
-def _of_frame(case: Case, omega: np.ndarray, frame: Forces, more: np.ndarray) -> float:
-    """Largest relative change of the std of what the frame's steel bears, by further motions (nk, n)."""
-    support, steel, P = case.system.support, case.channels.steel, more[:, : case.system.structure.omega.size]
-    if support is None or support.forces is None or steel is None:
-        return 0.0
-    rate, borne = -1j * omega[:, None], case.carried(omega, P.T, np.zeros((P.shape[1], 1)))
-    added = support.forces.whole(support.forces.of_motion(rate * P, rate**2 * P, borne))
-    usual, exact = (
-        frame.level + _at_instants(np.concatenate([np.zeros_like(lines[:1]), lines]))
-        for lines in (_first(frame.lines), _first(frame.lines) + added)
-    )
-    pairs = [values for _, values in steel.channels(usual)], [values for _, values in steel.channels(exact)]
-    for outputs, y in zip(pairs, (usual, exact), strict=True):
-        axial, *bending = np.moveaxis(steel.compression(y), -1, 0)
-        outputs.append(axial - np.hypot(*bending))
-    return max(_changed(*pair) for pair in zip(*pairs, strict=True))
+class _Standing(NamedTuple):
+    """Waves that stand for all."""
+
+    place: np.ndarray  # (nw,) which
+    height: np.ndarray  # (nw,) how many times as high
+    several: float  # equal waves whose squares scatter as those of all
 
 
-def _changed(usual: np.ndarray, exact: np.ndarray) -> float:
-    """Largest relative change of a std of samples (m, …), but for those that are FAINT beside the largest."""
-    std, true = usual.std(axis=0), exact.std(axis=0)
-    return float(np.max(np.abs(true - std) / np.maximum(std, FAINT * std.max(initial=0.0)), initial=0.0))
+def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:
+    """Each at the middle of a share of what turns levers."""
+    power = np.sum(np.abs(response.Z[: case.waves.size, angles]) ** 2, axis=1)
+    order, count = np.argsort(case.waves), min(2, case.waves.size)
+    share = np.cumsum(power[order]) / power.sum()
+    place = order[np.searchsorted(share, (np.arange(count) + 0.5) / count)]
+    place = place[: 1 + int(place[0] != place[-1])]
+    several = max(power.sum() ** 2 / np.sum(power**2), len(place))
+    return _Standing(place, np.sqrt(power.sum() / len(place) / power[place]), several)
 
 
-def _first(lines: np.ndarray) -> np.ndarray:
-    """Of one wave (1, …), as harmonics (HARMONICS - 1, …)."""
-    return np.concatenate([lines, np.zeros((HARMONICS - 2, *lines.shape[1:]), complex)])
-
-
-def _wave(case: Case) -> _Wave:
-    omega, h = case.waves[0] * np.arange(HARMONICS), case.hydrodynamics
-    Y = np.zeros((HARMONICS, *case.impedance.shape[1:]), complex)
+def _waves(case: Case, of: _Standing) -> _Waves:
+    lattice, h = (ONE, TWO)[len(of.place) - 1], case.hydrodynamics
+    omega = lattice.sums @ case.waves[of.place]
+    Y = np.zeros((omega.size, *case.impedance.shape[1:]), complex)
     if h is not None:
-        Y[1:] = impedance_anywhere(case.system, h, omega[1:])
-    excitation = np.zeros((HARMONICS, *case.excitation.shape[1:]), complex)
-    excitation[1] = case.excitation[0]
-    return _Wave(omega, Y, excitation)
+        Y[1:] = impedance_anywhere(case.system, h, np.abs(omega[1:]))
+        Y[omega < 0] = Y[omega < 0].conj()
+    n, waves = of.several, len(of.place)
+    more = np.full(omega.size, (1 - 0.5 / n) / (1 - 0.5 / waves))
+    if waves > 1:
+        more[lattice.sums.any(axis=1) & (lattice.sums.sum(axis=1) == 0)] = (1 - 1 / n) / (1 - 1 / waves)
+    excitation = lattice.first((case.excitation[of.place].T * of.height).T)
+    at_rest = jacobian(case.system.resting.value[0], case.system.resting.value[2])
+    force = excitation.reshape(omega.size, -1) @ at_rest.reshape(-1, at_rest.shape[-1])
+    return _Waves(lattice, more, omega, Y, excitation, force, case.model.of_floats(omega, Y))
 
 
-def _beyond(case: Case, wave: _Wave, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _grown(waves: _Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    """Squares (…) of a response (…), as its lines (nk, …) grow by exact ones in place of the usual."""
+    own = waves.lattice.own
+    was, grown = (np.sum(np.abs(lines[own]) ** 2, axis=0) for lines in (usual, exact))
+    others = waves.more.copy()
+    others[[0, *own]] = 0.0
+    besides = np.tensordot(others, np.abs(exact) ** 2, 1)
+    change = np.divide(grown - was, was, out=np.zeros(was.shape), where=was > 0)
+    return np.maximum(full * (1 + waves.more[own[0]] * change) + besides, 0.0)
+
+
+def _of_motions(
+    case: Case, law: JointLaw, waves: _Waves, response: Response, linear: np.ndarray, X: np.ndarray
+) -> Iterator[float]:
+    """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed."""
+    rate = waves.omega[:, None]
+    square, of_rate = (np.sum(np.abs(x) ** 2, axis=0) for x in (response.X, response.omega[:, None] * response.X))
+    size = case.model.length * np.sqrt(square)
+    used = size > FAINT * size.max(initial=0.0)
+    takes = used & absorbs(case.system, law)
+    std = np.sqrt(_grown(waves, square, linear, X)[used] / square[used])
+    power = _grown(waves, of_rate, rate * linear, rate * X)[takes] / of_rate[takes]
+    yield float(np.abs(np.concatenate([std, power]) - 1).max(initial=0.0))
+
+
+def _of_forces(case: Case, waves: _Waves, forces: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> Iterator[float]:
+    """The same of joints' forces (nl, nb, 3), but for those that count as zero."""
+    square = np.sum(np.abs(forces) ** 2, axis=0)
+    yield _changed(square, _grown(waves, square, usual, exact), 2 * least_force(case.system.scene) ** 2)
+
+
+def _changed(square: np.ndarray, grown: np.ndarray, least: np.ndarray | float = 0.0) -> float:
+    """Of the roots of squares; those below `least`, or FAINT beside the largest, count as that."""
+    size = np.sqrt(np.maximum(np.maximum(square, least), FAINT**2 * square.max(initial=0.0)))
+    off = np.abs(np.sqrt(grown) - np.sqrt(square))
+    return float(np.divide(off, size, out=np.zeros(size.shape), where=size > 0).max(initial=0.0))
+
+
+def _of_frame(case: Case, waves: _Waves, frame: Forces, own: np.ndarray, more: np.ndarray) -> Iterator[float]:
+    """The same of what the frame's steel bears, of lines `own` (nw, ny), by further motions (nk, n)."""
+    support, steel, P = case.system.support, case.channels.steel, more[1:, : case.system.structure.omega.size]
+    if support is None or support.forces is None or steel is None:
+        return
+    lattice, usual, added = waves.lattice, waves.lattice.first(own), np.zeros((len(more), own.shape[1]), complex)
+    rate, borne = -1j * waves.omega[1:, None], case.carried(waves.omega[1:], P.T, np.zeros((P.shape[1], 1)))
+    added[1:] = support.forces.whole(support.forces.of_motion(rate * P, rate**2 * P, borne))
+    every = (steel.channels(lines) for lines in (frame.lines, usual, usual + added))
+    for (_, lines), (_, before), (_, after) in zip(*every, strict=True):
+        square = np.sum(np.abs(lines) ** 2, axis=0)
+        yield _changed(square, _grown(waves, square, before, after))
+    squares = []
+    for lines in (usual, usual + added):
+        axial, *bending = np.moveaxis(steel.compression(frame.level + lattice.at_instants(lines)), -1, 0)
+        squares.append(np.var(axial - np.hypot(*bending), axis=0))
+    was, grown = squares
+    yield _changed(was, np.maximum(was + waves.more[lattice.own[0]] * (grown - was), 0.0))
+
+
+def _beyond(case: Case, waves: _Waves, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """N (nk, n), and all loads W on the floats (nk, nb, 6)."""
     body, _, rest = case.system.resting.value
-    active, model = body.active, case.model
-    states = [(-1j * wave.omega[:, None]) ** k * (X @ model.shape.T) for k in range(3)]
-    z, dz, ddz = (_at_instants(x) for x in states)
-    levers, at_rest = np.array([jacobian(body, rest + at) for at in z]), jacobian(body, rest)
-    velocity = np.einsum("tbiz,tz->tbi", levers[:, :, active], dz)
-    moved = _harmonics(velocity), np.einsum("biz,kz->kbi", at_rest[:, active], states[1])
-    exact, usual = (_radiated(wave, V, active) for V in moved)
+    lattice, model, rate, Z = waves.lattice, case.model, -1j * waves.omega[:, None], X @ case.model.shape.T
+    z, dz, ddz = np.split(lattice.at_instants(np.concatenate([Z, rate * Z, rate**2 * Z], axis=1)), 3, axis=1)
+    levers = jacobians(body, rest + z)
+    (nt, nb, _, nz), pushed = levers.shape, waves.excitation.copy()
+    radiating = levers[:, :, body.active].reshape(nt, nb * body.active.size, nz)
+    V = lattice.lines((radiating @ dz[..., None])[..., 0])
+    pushed[:, :, body.active] -= (waves.Y @ V[..., None]).reshape(len(V), nb, body.active.size)
+    water = lattice.at_instants(pushed.reshape(len(V), 6 * nb))
     still, wrench = balance(body, rest + z, dz, ddz)
-    water = _at_instants(exact)
-    load = still + np.einsum("tbiz,tbi->tz", levers, water)
-    linear = sum(x @ slope.T for x, slope in zip((z, dz, ddz), -model.floats, strict=True))
-    linear = linear + np.einsum("biz,tbi->tz", at_rest, _at_instants(usual))
-    more = _harmonics(load - linear)
+    load = still + (water[:, None] @ levers.reshape(nt, 6 * nb, nz))[:, 0]
+    every = lattice.lines(np.concatenate([load, wrench.reshape(nt, 6 * nb) + water], axis=1))
+    more = every[:, :nz] + (waves.against @ Z[..., None])[..., 0] - waves.force
     more[0] -= case.loads_at_rest[0]
-    return more @ model.shape, _harmonics(wrench + water)
-
-
-def _radiated(wave: _Wave, V: np.ndarray, active: np.ndarray) -> np.ndarray:
-    """Loads (nk, nb, 6) of the waves, and by what velocities V (nk, nb, na) radiate."""
-    load = wave.excitation.copy()
-    load[:, :, active] -= (wave.Y @ V.reshape(len(V), -1, 1)).reshape(V.shape)
-    return load
-
-
-def _at_instants(lines: np.ndarray) -> np.ndarray:
-    """(INSTANTS, …) of harmonics (HARMONICS, …)."""
-    return np.tensordot(PHASES, lines, 1).real
-
-
-def _harmonics(x: np.ndarray) -> np.ndarray:
-    """(HARMONICS, …) of what is so at the instants (INSTANTS, …)."""
-    lines = np.tensordot(PHASES.conj().T, x, 1) * (2 / INSTANTS)
-    lines[0] /= 2
-    return lines
+    return more @ model.shape, every[:, nz:].reshape(-1, nb, 6)

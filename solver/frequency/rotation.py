@@ -18,15 +18,10 @@ The linear model is about those at rest all the same. In Buan's representative s
 and 1.0 % more power about the shifted ones, and a march that preloads hold at rest on average has 2.6 and 2.2 % less
 than the linear model; by itself it has 0.3 and 1.3 % less. What else is of third order, levers averaged over their turn
 and motions at sums and differences of two frequencies, takes more than the shift gives; the shift without it would be
-worse than neither. How much all of it is goes with the angles' variance σ²: a load that keeps its direction works on
-average at exp(-½σ²) of its lever, and power by the square of what it moves and of what bears it, so that
-
-    1 - exp(-2σ²)
-
-is its order within a factor of 3 of what marches differ by, but for stresses of a frame, of which sums of frequencies
-near its resonance make more: see tests/frequency/test_rotation.py. Of one wave see harmonics.
+worse than neither. How much all of it is: see harmonics.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
@@ -112,16 +107,18 @@ def _in_still_water(resting: Resting, of_states: np.ndarray) -> tuple[np.ndarray
 def rotation_effect(case: Case, law: JointLaw, response: Response, frame: Forces) -> float:
     """Relative error of any std, mean power or force by angles that are not small, or what they drive below the waves.
 
-    Of one wave, see harmonics.
+    See harmonics.
     """
     angles = _turning(case.system.resting).angles
-    if case.waves.size == 1:
-        return turning_effect(case, law, response, frame) if angles.any() else 0.0
-    angle = lengths(response.Z.T[angles]).max(initial=0.0) / np.sqrt(2)
-    slow, finite = slow_motions(case, response), float(-np.expm1(-2 * angle**2))
-    if not slow.any():
+    if not response.Z[:, angles].any():
+        return 0.0
+    swinging = _resonant(case, response)
+    free = case.modes.shapes[:, case.modes.omega == 0].T
+    shapes = np.array([*free, *(of.shape for of, _ in swinging)]).reshape(-1, len(case.model.mass))
+    finite = turning_effect(case, law, response, frame, angles, shapes)
+    if not swinging:
         return finite
-    std = lengths(response.X.T) / np.sqrt(2)
+    slow, std = _slow_motions(case, response, swinging), lengths(response.X.T) / np.sqrt(2)
     moved = case.model.length * std
     used = moved > FAINT * moved.max()
     return max(finite, float(np.max(np.hypot(1, slow[used] / std[used]), initial=1.0) - 1))
@@ -129,14 +126,24 @@ def rotation_effect(case: Case, law: JointLaw, response: Response, frame: Forces
 
 def slow_motions(case: Case, response: Response) -> np.ndarray:
     """Their std (n,) of the linear model's coordinates [m, rad, ...]."""
-    damping, waves = case.model.damping + response.damping, case.waves.size
-    variance = np.zeros(len(damping))
-    for swinging in _swinging(case):
-        shape, own = swinging.shape, swinging.omega
-        B = shape @ damping @ shape + swinging.radiated
-        if 0 < B < 2 * LIGHTLY * own:
-            S = _spectrum(swinging, case.waves, response.X[:waves], response.Z[:waves], response.wrench[:waves])
-            variance += np.pi * S / (2 * B * own**2) * shape**2
+    return _slow_motions(case, response, _resonant(case, response))
+
+
+def _resonant(case: Case, response: Response) -> list[tuple[_Swinging, float]]:
+    """Shapes below the waves that are damped lightly, and by how much, B."""
+    damping, found = case.model.damping + response.damping, []
+    for of in _swinging(case):
+        B = float(of.shape @ damping @ of.shape + of.radiated)
+        if 0 < B < 2 * LIGHTLY * of.omega:
+            found.append((of, B))
+    return found
+
+
+def _slow_motions(case: Case, response: Response, swinging: Iterable[tuple[_Swinging, float]]) -> np.ndarray:
+    waves, variance = case.waves.size, np.zeros(len(case.model.mass))
+    for of, B in swinging:
+        S = _spectrum(of, case.waves, response.X[:waves], response.Z[:waves], response.wrench[:waves])
+        variance += np.pi * S / (2 * B * of.omega**2) * of.shape**2
     return np.sqrt(variance)
 
 
