@@ -19,7 +19,7 @@ from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import KEY, Given
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths
-from solver.hydrodynamics.bem.radiated import infinite, require_damping, require_energy, word
+from solver.hydrodynamics.bem.radiated import infinite, require_damping, require_energy, require_together, word
 from solver.hydrodynamics.hull.mesh import Hull
 
 FEWEST = 8  # frequencies from which a memory can be fitted
@@ -75,6 +75,7 @@ def adopted(
     doubt = agreement.require_moments(six, floats, expected)
     damping = require_damping(six, moved, names)
     require_energy(six, floats, moved)
+    require_together(six, floats, moved)
     added, unsure = infinite(six, _scales(six, lengths)["added_mass"], moved, names, memory=memory)
     A, B = symmetric(six.added_mass), symmetric(six.radiation_damping)
     index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])

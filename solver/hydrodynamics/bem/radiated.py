@@ -6,9 +6,11 @@ the waves, v their group velocity: a body of revolution in all waves, any other 
 """
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import SupportsIndex
 
 import numpy as np
+from scipy.special import j0
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, symmetric
@@ -20,6 +22,8 @@ from solver.sea.dispersion import group_velocity
 
 ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
 DAMPED = 0.1  # of the largest damping: of less energy is not judged
+ALIKE_FAR = 1.0  # kd of two bodies up to which both send out rings of one shape,
+COUPLED = 2.0  # and times the damping between them may be, or may be less, than these tell
 ALONG = 1e-6  # of a wave's direction: along an axis that has less of it is no force
 SAME = 1e-9  # A∞ that equals the highest frequency's by so much is that
 TOGETHER = 0.2  # of an added mass: what it may scatter at infinite frequency where A and B are of one body
@@ -98,6 +102,32 @@ def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
         if not 1 / ENERGY < ratio < ENERGY:
             text = f"damping {way} is {ratio:.3g} times what the wave force tells of the power radiated"
             raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
+
+
+def require_together(six: Given, floats: Floats, needed: np.ndarray) -> None:
+    """Refuse a damping between the heaves of two bodies, both `needed`, that is not of the waves which both send out.
+
+    Of bodies d apart on plan these are rings in waves long beside d and the bodies: B₁₂ = ±√(B₁₁B₂₂) J₀(kd) (Haskind),
+    of the sign of X₁X₂* with the waves' phase from one body to the other taken off.
+    """
+    k, B, X = floats.sea.wavenumbers(six.omega), six.radiation_damping, six.excitation[:, 0]
+    e = np.array([np.cos(floats.sea.heading), np.sin(floats.sea.heading)])
+    heaving = [b for b in range(len(floats.hulls)) if 6 * b + 2 in needed]
+    for a, b in combinations(heaving, 2):
+        i, j, way = 6 * a + 2, 6 * b + 2, (floats.centres[a] - floats.centres[b])[:2]
+        reach = max(np.linalg.norm(way), *(floats.hulls[n].largest_radius for n in (a, b)))
+        size = np.sqrt(np.maximum(B[:, i, i] * B[:, j, j], 0.0)) * j0(k * np.linalg.norm(way))
+        judged = (k * reach < ALIKE_FAR) & (size > 0)
+        if not judged.any():
+            continue
+        sense = np.sign((X[:, i] * X[:, j].conj() * np.exp(-1j * k * (way @ e))).real)
+        ratio = float(np.median((sense * (B[:, i, j] + B[:, j, i]) / 2)[judged] / size[judged]))
+        if not 1 / COUPLED < ratio < COUPLED:
+            text = (
+                f"damping between {word(floats.names, i)} and {word(floats.names, j)} is {ratio:.3g} times what waves"
+            )
+            text += " that both send far off make of their own, in long waves"
+            raise InputError(KEY, six.name, f"{text}: have blocks between bodies another sign, unit or order?")
 
 
 def infinite(

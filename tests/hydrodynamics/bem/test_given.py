@@ -417,6 +417,21 @@ def test_the_force_of_long_waves_tells_of_damping(dofs, way, angle):
         radiated.require_energy(replace(given, radiation_damping=wrong), floats, np.array([3]))
 
 
+def test_damping_between_bodies_is_that_of_the_waves_of_both():
+    """In heave, in long waves; with the sign that forces have, of blocks that are told alike wrong in A and B."""
+    given = told()
+    floats, heaves = Floats(HULLS, CENTRES, NAMES, Sea(**WATER)), np.array([2, 8])
+    radiated.require_together(given, floats, heaves)
+    turned_round = np.outer(*[np.repeat([1.0, -1.0], 6)] * 2)
+    parts = ("added_mass", "radiation_damping", "added_mass_inf")
+    wrong = replace(given, **{name: getattr(given, name) * turned_round for name in parts})
+    with pytest.raises(InputError, match=r"between front heave and rear heave is -(0\.9|1\.).* times what waves"):
+        taken(wrong)
+    radiated.require_together(wrong, floats, heaves[:1])
+    pulled = replace(wrong, excitation=given.excitation * np.repeat([1.0, -1.0], 6))  # as of a body deep under water
+    radiated.require_together(pulled, floats, heaves)
+
+
 def test_damping_of_another_shape_is_in_the_error():
     """Where it is wrong, as much as it is; of right damping hardly any."""
     h = boxy()
