@@ -58,7 +58,7 @@ def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ..
     if width > 0 and not scene.has_gap(width):
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     if scene.platform is not None:
-        sentences += _of_platform(scene, scene.platform)
+        sentences += [*_of_platform(scene, scene.platform), *_pierced(scene, scene.platform)]
     sentences += [*_pushed(scene, joints), *_drifting(scene), *_too_short(scene), *overdamped(scene)]
     rest = () if joints is None else (*_turned(scene, joints), *_risen(scene, joints))
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
@@ -132,6 +132,28 @@ def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
             f"platform.clamped: {', '.join(raised)} above the seabed, {max(heights[n] for n in raised):.3g} m at most,"
             f" in water of {water.depth:g} m: what holds a foot there, or is the depth another?"
         )
+
+
+def _pierced(scene: Scene, platform: Platform) -> Iterator[str]:
+    """A sentence for each float in whose waterplane at rest a member stands that waves load."""
+    from solver.hydrodynamics.hull.gaps import outline
+    from solver.hydrodynamics.hull.mesh import inside as within
+
+    loaded = [m for m in platform.frame.members if m.drag_coefficient > 0 or m.inertia_coefficient > 1]
+    nodes = platform.frame.nodes
+    ends = np.reshape([[*nodes[m.start], *nodes[m.end]] for m in loaded], (-1, 2, 3))
+    ends = ends + np.reshape([[m.start_offset, m.end_offset] for m in loaded], (-1, 2, 3))
+    crossing = (ends[:, 0, 2] < 0) != (ends[:, 1, 2] < 0)
+    (x0, y0, z0), (x1, y1, z1) = ends[crossing].transpose(1, 2, 0)
+    share = z0 / (z0 - z1)
+    places = np.column_stack([x0 + share * (x1 - x0), y0 + share * (y1 - y0)])
+    for f in scene.floats:
+        through = within(places, outline(f.hull) + f.centre[:2])
+        if names := [loaded[i].name for i in np.flatnonzero(crossing)[through]]:
+            yield (
+                f"floats.{f.name}: {', '.join(names)} of the platform runs through its hull, which is whole in the"
+                " water's loads, as the member is: does it stand in a well?"
+            )
 
 
 def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:

@@ -7,6 +7,8 @@ import pytest
 
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.ring import ring
 from solver.limits import pushed
 from solver.mooring import Line
 from solver.oddities import beyond_tables, overdamped, warnings
@@ -75,6 +77,20 @@ def test_parts_of_a_power_take_off_that_is_not_there_are_told():
     record = simulate(replace(lines, settings=replace(item.settings, method="frequency", froude_krylov="linear")), h)
     assert "does nothing" not in record.attrs.get("warnings", "")
     assert not any("does nothing" in text for text in warnings(replace(item, floats=(replace(f, pto_damping=0.0),))))
+
+
+def test_a_leg_through_a_hull_is_told():
+    """That crosses still water within its waterplane, and that waves load; not in a well, nor beside it."""
+    whole, _ = unequal_legs()
+    (f,) = whole.floats
+    foot, deck = (np.array(whole.platform.frame.nodes[name]) for name in ("foot a", "deck"))
+    x, y, _ = foot + foot[2] / (foot[2] - deck[2]) * (deck - foot)
+    well = ring(((2.0, -0.5), (3.0, -0.5), (3.0, 0.5), (2.0, 0.5)))
+    solid = Revolution.vertical_cylinder(radius=3.0, draft=0.5, freeboard=0.5)
+    for hull, told in ((solid, True), (well, False), (f.hull, False)):
+        arm = f.arm if hull is f.hull else tuple(np.subtract((x, y, 0.0), f.hinge))
+        texts = warnings(replace(whole, floats=(replace(f, hull=hull, arm=arm),)))
+        assert any("runs through its hull" in text for text in texts) is told
 
 
 def test_an_axis_that_no_joint_has_is_told():
