@@ -286,6 +286,15 @@ def drag_driven(factor: float) -> Iterator[str]:
         )
 
 
+def skewed(factor: float) -> Iterator[str]:
+    """A sentence where arms that turn make extremes of joints' forces exceed Gaussian ones by a factor."""
+    if factor > STEEP:
+        yield (
+            "floats: arms turn, and forces of joints are not Gaussian: expect largest ones up to"
+            f" {factor:.2g} times those that max and min have"
+        )
+
+
 def not_gaussian(floats: Sequence[Float], factor: np.ndarray) -> Iterator[str]:
     """A sentence for each axis whose extremes to be expected are not those of a Gaussian rate, by a factor (nj,)."""
     axes = [(f.name, axis) for f in floats for axis in f.motion]

@@ -34,7 +34,7 @@ from solver.coupled.support import KNOWN
 from solver.coupled.system import Resting, known_differences
 from solver.frequency.case import Case
 from solver.frequency.gaussian import covariance
-from solver.frequency.harmonics import turning_effect
+from solver.frequency.harmonics import Turning, turning_effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.lines import lengths
@@ -104,14 +104,11 @@ def _in_still_water(resting: Resting, of_states: np.ndarray) -> tuple[np.ndarray
     return of_load, of_wrench
 
 
-def rotation_effect(case: Case, law: JointLaw, response: Response, frame: Forces) -> float:
-    """Relative error of any std, mean power or force by angles that are not small, or what they drive below the waves.
-
-    See harmonics.
-    """
+def rotation_effect(case: Case, law: JointLaw, response: Response, frame: Forces) -> Turning:
+    """What angles that are not small change, see harmonics, or what they drive below the waves."""
     angles = _turning(case.system.resting).angles
     if not response.Z[:, angles].any():
-        return 0.0
+        return Turning(0.0, 1.0)
     swinging = _resonant(case, response)
     free = case.modes.shapes[:, case.modes.omega == 0].T
     shapes = np.array([*free, *(of.shape for of, _ in swinging)]).reshape(-1, len(case.model.mass))
@@ -121,7 +118,8 @@ def rotation_effect(case: Case, law: JointLaw, response: Response, frame: Forces
     slow, std = _slow_motions(case, response, swinging), lengths(response.X.T) / np.sqrt(2)
     moved = case.model.length * std
     used = moved > FAINT * moved.max()
-    return max(finite, float(np.max(np.hypot(1, slow[used] / std[used]), initial=1.0) - 1))
+    error = float(np.max(np.hypot(1, slow[used] / std[used]), initial=1.0) - 1)
+    return finite._replace(error=max(finite.error, error))
 
 
 def slow_motions(case: Case, response: Response) -> np.ndarray:

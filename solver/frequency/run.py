@@ -24,7 +24,7 @@ from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
-from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, stopped
+from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, skewed, stopped
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -66,7 +66,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "law_effect": _law_effect(case, response, scene),
         "drag_effect": of_drag.error,
         "linearisation_effect": UNTOLD if slipping else response.linearisation_effect,
-        "rotation_effect": rotation_effect(case, law, response, frame),
+        "rotation_effect": (turning := rotation_effect(case, law, response, frame)).error,
     }
     errors["estimated_error"] = together(errors.values())
     attrs: dict[str, float | str] = {
@@ -92,6 +92,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *beyond,
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
         *drag_driven(of_drag.extremes),
+        *skewed(turning.extremes),
         *slipping,
         *above(scene, tables),
         *doubted,

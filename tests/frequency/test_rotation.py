@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pytest import approx
+from scipy.stats import skew
 
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import impedance_anywhere
-from solver.frequency import harmonics, rotation
+from solver.frequency import gaussian, harmonics, rotation
 from solver.frequency.case import case_of
-from solver.frequency.response import respond
+from solver.frequency.outputs import frame_forces
+from solver.frequency.response import respond, respond_in
 from solver.frequency.rotation import mean_shift, slow_motions
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
@@ -174,9 +176,19 @@ def test_in_a_sea_it_is_told_as_the_march_shows(name, angle):
     lines, period = simulate(item, h), 2 * np.pi * APART[0] / item.sea.omega[0]
     lasting = {"duration": period, "discard": 14 * period, "ramp": 2 * period, "ramp_form": "cosine"}
     numerics = {"memory_tolerance": 1e-3, "time_step": period / 1200, "newton_tolerance": 1e-10}
-    march = simulate(linear(item, method="time", **lasting, **numerics), h).variables
-    seen = largest(march, lines.variables, (*BORNE, *(["bottom_stress"] if item.platform else [])))
+    record = simulate(linear(item, method="time", keep_series=True, **lasting, **numerics), h)
+    seen = largest(record.variables, lines.variables, (*BORNE, *(["bottom_stress"] if item.platform else [])))
     assert 0.65 < seen / lines.attrs["rotation_effect"] < 1.4
+    # Joints' forces are about as skewed, by which their extremes are to be larger.
+    case = case_of(item, h)
+    law = case.law(item.floats)
+    response = respond_in(case, law)
+    told = rotation.rotation_effect(case, law, response, frame_forces(case, response)).extremes
+    force = case.channels.hinge_force(response.wrench).reshape(len(APART), -1)
+    y = record.series["hinge_force"][1].reshape(-1, force.shape[1])
+    used = y.std(axis=0) > 0.02 * y.std(axis=0).max()
+    u = gaussian.peak(force[:, used], case.omega, case.duration)
+    assert told - 1 == approx(np.max(np.abs(skew(y[:, used])) * (u - 1 / u)) / 6, rel=0.5, abs=0.07)
 
 
 def test_what_radiates_at_differences_below_zero_is_its_conjugate():
@@ -186,6 +198,13 @@ def test_what_radiates_at_differences_below_zero_is_its_conjugate():
     below = waves.omega < 0
     Y = impedance_anywhere(case.system, h, -waves.omega[below])
     assert below.any() and waves.Y[below] == approx(Y.conj(), rel=1e-12)
+
+
+def test_that_turning_skews_forces_is_told():
+    for angle, told in ((0.1, True), (0.01, False)):
+        item, h = swinging("steep_arm", angle, lambda item: item)
+        text = simulate(item, h).attrs.get("warnings", "")
+        assert ("arms turn, and forces of joints are not Gaussian" in text) is told
 
 
 def test_a_wave_that_no_round_agrees_for_is_not_told():
