@@ -184,7 +184,8 @@ def test_in_a_sea_it_is_told_as_the_march_shows(name, angle):
     law = case.law(item.floats)
     response = respond_in(case, law)
     told = rotation.rotation_effect(case, law, response, frame_forces(case, response)).extremes
-    force = case.channels.hinge_force(response.wrench).reshape(len(APART), -1)
+    force = case.channels.hinge_force(response.wrench)
+    force = force.reshape(len(force), -1)
     y = record.series["hinge_force"][1].reshape(-1, force.shape[1])
     used = y.std(axis=0) > 0.02 * y.std(axis=0).max()
     u = gaussian.peak(force[:, used], case.omega, case.duration)

@@ -109,12 +109,17 @@ def test_a_record_that_may_be_far_off_warns_of_it(buan, coefficients, method):
     """Where nobody asked for an error; where somebody did, `unmet` says it."""
     rough = replace(coefficients, error=MeshError(*(3000 * x for x in coefficients.error)))
     settings = {"duration": 60.0, "method": method, "froude_krylov": "linear"}
-    attrs = simulate(buan.scene("fixed", **settings), rough).attrs
+
+    def calm(**more):  # in higher waves the frequency domain errs by more than DOUBT, too: arms turn
+        item = buan.scene("fixed", **settings, **more)
+        return replace(item, sea=replace(item.sea, amplitude=0.2 * item.sea.amplitude))
+
+    attrs = simulate(calm(), rough).attrs
     error, mesh = attrs["estimated_error"], attrs["mesh_effect"]
     told = f"estimated_error is {error:.2g}, of any mean, rms or std, by mesh_effect {mesh:.2g}"
     assert error > DOUBT and attrs["warnings"].endswith(told)
     for sure in ({"tolerance": 1e-2}, {}):
-        attrs = simulate(buan.scene("fixed", **settings, **sure), rough if sure else coefficients).attrs
+        attrs = simulate(calm(**sure), rough if sure else coefficients).attrs
         assert "estimated_error" not in attrs.get("warnings", "")
 
 
