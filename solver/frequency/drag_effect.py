@@ -36,9 +36,9 @@ WEIGHT = np.outer(OF_Z, OF_XI).ravel()
 
 
 class Effect(NamedTuple):
-    """Of the drag's linearisation."""
+    """Of what a linear response leaves out."""
 
-    error: float  # of any mean, rms or std
+    error: float  # of any mean, rms or std, relative
     extremes: float  # factor by which the largest are to be expected beyond those told
 
 

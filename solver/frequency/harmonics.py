@@ -25,6 +25,7 @@ from solver.coupled.equilibrium import balance
 from solver.coupled.linear import impedance_anywhere, jacobian, jacobians
 from solver.frequency import gaussian
 from solver.frequency.case import Case
+from solver.frequency.drag_effect import Effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.lines import real_by_complex
@@ -96,21 +97,20 @@ class _Standing(NamedTuple):
     several: float  # equal waves whose squares scatter as those of all
 
 
-class Turning(NamedTuple):
-    """What arms that turn exactly change."""
-
-    error: float  # of any std, mean power or force, relative
-    extremes: float  # of joints' forces, over those of Gaussian ones
-
-
 def turning_effect(
-    case: Case, law: JointLaw, response: Response, frame: Forces, angles: np.ndarray, slow: np.ndarray
-) -> Turning:
+    case: Case,
+    law: JointLaw,
+    response: Response,
+    frame: Forces,
+    angles: np.ndarray,
+    slow: np.ndarray,
+    compression: np.ndarray,
+) -> Effect:
     """What turning changes of a response; UNTOLD where no round agrees.
 
     angles (nz,): which of the floats' coordinates turn a lever. slow (m, n): shapes, of unit inertia, of resonances
     below the waves, or of no stiffness. What differences of frequencies do to these is not theirs of two waves alone:
-    see rotation.slow_motions.
+    see rotation.slow_motions. compression (nl,) [Pa]: std of that at the legs' feet.
     """
     standing = _standing(case, response, angles)
     waves, (place, height, _) = _waves(case, standing), standing
@@ -135,10 +135,10 @@ def turning_effect(
             error = max(
                 *_of_motions(case, law, waves, response, linear, X),
                 *_of_forces(case, waves, told, force(lattice.first(borne)), exact),
-                *_of_frame(case, waves, frame, (frame.lines[place].T * height).T, X - linear),
+                *_of_frame(case, waves, frame, (frame.lines[place].T * height).T, X - linear, compression),
             )
-            return Turning(error, _extremes(case, waves, standing, told.reshape(len(told), -1), exact))
-    return Turning(UNTOLD, 1.0)
+            return Effect(error, _extremes(case, waves, standing, told.reshape(len(told), -1), exact))
+    return Effect(UNTOLD, 1.0)
 
 
 def _extremes(case: Case, waves: _Waves, of: _Standing, told: np.ndarray, exact: np.ndarray) -> float:
@@ -227,8 +227,13 @@ def _changed(square: np.ndarray, grown: np.ndarray, least: np.ndarray | float = 
     return float(np.divide(off, size, out=np.zeros(size.shape), where=size > 0).max(initial=0.0))
 
 
-def _of_frame(case: Case, waves: _Waves, frame: Forces, own: np.ndarray, more: np.ndarray) -> Iterator[float]:
-    """The same of what the frame's steel bears, of lines `own` (nw, ny), by further motions (nk, n)."""
+def _of_frame(
+    case: Case, waves: _Waves, frame: Forces, own: np.ndarray, more: np.ndarray, compression: np.ndarray
+) -> Iterator[float]:
+    """The same of what the frame's steel bears, of lines `own` (nw, ny), by further motions (nk, n).
+
+    compression (nl,): std of the legs' largest, which no line has.
+    """
     support, steel, P = case.system.support, case.channels.steel, more[1:, : case.system.structure.omega.size]
     if support is None or support.forces is None or steel is None:
         return
@@ -243,8 +248,8 @@ def _of_frame(case: Case, waves: _Waves, frame: Forces, own: np.ndarray, more: n
     for lines in (usual, usual + added):
         axial, *bending = np.moveaxis(steel.compression(frame.level + lattice.at_instants(lines)), -1, 0)
         squares.append(np.var(axial - np.hypot(*bending), axis=0))
-    was, grown = squares
-    yield _changed(was, np.maximum(was + waves.more[lattice.own[0]] * (grown - was), 0.0))
+    change, full = waves.more[lattice.own[0]] * np.subtract(*squares[::-1]), 2 * compression**2
+    yield _changed(full, np.maximum(full + 2 * change, 0.0))
 
 
 def _beyond(case: Case, waves: _Waves, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -21,7 +21,7 @@ and motions at sums and differences of two frequencies, takes more than the shif
 worse than neither. How much all of it is: see harmonics.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
@@ -33,14 +33,15 @@ from solver.coupled.linear import jacobian
 from solver.coupled.support import KNOWN
 from solver.coupled.system import Resting, known_differences
 from solver.frequency.case import Case
+from solver.frequency.drag_effect import Effect
 from solver.frequency.gaussian import covariance
-from solver.frequency.harmonics import Turning, turning_effect
+from solver.frequency.harmonics import turning_effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.lines import lengths
 from solver.multibody.joint_law import JointLaw
 from solver.record.slow import LIGHTLY, below
-from solver.statistics import FAINT
+from solver.statistics import FAINT, STATISTICS
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
 ROUNDING = 1e-12  # of the largest variance
@@ -104,15 +105,18 @@ def _in_still_water(resting: Resting, of_states: np.ndarray) -> tuple[np.ndarray
     return of_load, of_wrench
 
 
-def rotation_effect(case: Case, law: JointLaw, response: Response, frame: Forces) -> Turning:
-    """What angles that are not small change, see harmonics, or what they drive below the waves."""
+def rotation_effect(
+    case: Case, law: JointLaw, response: Response, frame: Forces, told: Mapping[str, np.ndarray]
+) -> Effect:
+    """What angles that are not small change, see harmonics, or what they drive below the waves; told: statistics."""
     angles = _turning(case.system.resting).angles
     if not response.Z[:, angles].any():
-        return Turning(0.0, 1.0)
+        return Effect(0.0, 1.0)
+    compression = told["bottom_stress"][..., STATISTICS.index("std")] if "bottom_stress" in told else np.zeros(0)
     swinging = _resonant(case, response)
     free = case.modes.shapes[:, case.modes.omega == 0].T
     shapes = np.array([*free, *(of.shape for of, _ in swinging)]).reshape(-1, len(case.model.mass))
-    finite = turning_effect(case, law, response, frame, angles, shapes)
+    finite = turning_effect(case, law, response, frame, angles, shapes, compression)
     if not swinging:
         return finite
     slow, std = _slow_motions(case, response, swinging), lengths(response.X.T) / np.sqrt(2)

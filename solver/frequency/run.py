@@ -66,7 +66,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         "law_effect": _law_effect(case, response, scene),
         "drag_effect": of_drag.error,
         "linearisation_effect": UNTOLD if slipping else response.linearisation_effect,
-        "rotation_effect": (turning := rotation_effect(case, law, response, frame)).error,
+        "rotation_effect": (turning := rotation_effect(case, law, response, frame, tables)).error,
     }
     errors["estimated_error"] = together(errors.values())
     attrs: dict[str, float | str] = {

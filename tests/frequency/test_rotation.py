@@ -183,7 +183,8 @@ def test_in_a_sea_it_is_told_as_the_march_shows(name, angle):
     case = case_of(item, h)
     law = case.law(item.floats)
     response = respond_in(case, law)
-    told = rotation.rotation_effect(case, law, response, frame_forces(case, response)).extremes
+    tables = {name: values for name, (_, values) in lines.variables.items()}
+    told = rotation.rotation_effect(case, law, response, frame_forces(case, response), tables).extremes
     force = case.channels.hinge_force(response.wrench)
     force = force.reshape(len(force), -1)
     y = record.series["hinge_force"][1].reshape(-1, force.shape[1])
