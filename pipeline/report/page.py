@@ -139,12 +139,13 @@ def unmet(results: Results) -> list[str]:
 
 
 def warnings(results: Results) -> list[str]:
-    """What is odd about tasks, alike ones together, and how many these are."""
+    """What is odd about tasks, and about how many; those whose words differ in numbers alone together, as the first."""
     if "warnings" not in results.data:
         return []
-    words = results.data["warnings"].values.astype(str)[dataset.once(results.data["task"].values)]
-    counts = Counter(text for text in words.tolist() if text)
-    lines = [f"{text} ({count} of {len(words)} tasks)" for text, count in counts.most_common(MANY)]
+    words = results.data["warnings"].values.astype(str)[dataset.once(results.data["task"].values)].tolist()
+    counts, first = Counter(map(without_numbers, words)), {without_numbers(text): text for text in words[::-1]}
+    del counts[""]
+    lines = [f"{first[alike]} ({count} of {len(words)} tasks)" for alike, count in counts.most_common(MANY)]
     return lines + ([f"and {len(counts) - MANY} more"] if len(counts) > MANY else [])
 
 

@@ -166,12 +166,12 @@ def test_the_page_names_what_was_asked_and_not_met(results):
 @pytest.mark.usefixtures("undrawn")
 def test_the_page_tells_warnings_once_and_of_how_many_tasks(results):
     words = results.data["status"].astype(object).copy()
-    words[...] = "it buckles; it stands here"
-    words[0, 0, 0] = ""
+    words[...] = "it buckles at 0.4; it stands here"
+    words[0, 0, 0], words[0, 0, 1] = "", "it buckles at 3e-1; it stands here"
     bare = results.data[["status", "task"]].assign(warnings=words)
     marked = figures.Results(study=results.study, data=bare)
     (line,) = page.warnings(marked)
-    assert line == f"it buckles; it stands here ({words.size - 1} of {words.size} tasks)"
+    assert line == f"it buckles at 3e-1; it stands here ({words.size - 1} of {words.size} tasks)"
     assert f"<h2>Warnings</h2>\n<ul>\n<li>{line}</li>" in page.html(marked)
     assert "<h2>Warnings" not in page.html(replace(marked, data=bare.drop_vars("warnings")))
 
