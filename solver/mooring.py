@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # with the compiler, which takes 0.3 s to import: the command
 
 Matrix = tuple[tuple[float, ...], ...]
 STEP, TURN = 1e-5, 1e-4  # of a line's length [m], and angle [rad], of the differences that tell its stiffness
-SIX = 6  # rows of matrices of the reference point's motion
+SIX = 6  # rows of matrices of a point's motion
 SYMMETRIC = 1e-6  # relative difference of two entries that count as one
 PASSIVE = 1e-9  # of a damping matrix scaled to a diagonal of 1: a lower eigenvalue than minus this is not rounding
 STRAINED = 0.05  # of a line at rest: chain and wire break before, and fibre is moored with less

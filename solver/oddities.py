@@ -15,7 +15,7 @@ from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
-STEEP = 1.2  # factor by which extremes of what drag drives may exceed those of Gaussian responses
+STEEP = 1.2  # factor by which extremes may exceed those of Gaussian responses
 APART = 1.1  # factor by which extremes may miss those of Gaussian rates; of power it is the square
 HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
 STRAYED = 0.5  # [rad] of the mean wave that it may go from where linear wave loads have their phases

@@ -48,7 +48,11 @@ class LinearModel:
 
     def dynamic_stiffness(self, omega: np.ndarray, Y: np.ndarray) -> np.ndarray:
         """-ω²M - iω(D + EᵀY(ω)E) + C (nw, n, n) for radiation impedance Y (nw, na, na)."""
-        L, (nz, n), nm = self.of_floats(omega, Y), self.shape.shape, self.modes.shape[1]
+        return self.assembled(omega, self.of_floats(omega, Y))
+
+    def assembled(self, omega: np.ndarray, L: np.ndarray) -> np.ndarray:
+        """The same by the floats' part L (nw, nz, nz)."""
+        (nz, n), nm = self.shape.shape, self.modes.shape[1]
         nw = len(omega)
         half = (L.reshape(nw * nz, nz) @ self.shape).reshape(nw, nz, n).transpose(0, 2, 1)
         Z = (half.reshape(nw * n, nz) @ self.shape).reshape(nw, n, n).transpose(0, 2, 1)
@@ -77,7 +81,8 @@ class LinearModel:
     def damped(self, more: np.ndarray) -> "LinearModel":
         """With further dampers (nj,) of the joints."""
         floats, nj = self.floats.copy(), more.size
-        floats[1, -nj:, -nj:] += np.diag(more)
+        joints = slice(len(floats[1]) - nj, None)
+        floats[1, joints, joints] += np.diag(more)
         none = np.zeros(len(self.mass) - nj)
         return replace(self, floats=floats, damping=self.damping + np.diag(np.concatenate([none, more])))
 
@@ -182,8 +187,8 @@ def impedance(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray
 
 def impedance_anywhere(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
     """Y at ω from 0 on: below the lowest one solved added mass is as there, and damping goes with the square; above the
-    highest one both near their limits with that."""
+    highest one damping and A - A∞ fall with that."""
     low, high = h.omega[[0, -1]]
     Y = impedance(system, h, omega.clip(low, high))
     under, over = np.minimum(omega / low, 1.0)[:, None, None], np.minimum(high / omega.clip(low), 1.0)[:, None, None]
-    return over**2 * (under**2 * Y.real + 1j * under * Y.imag)
+    return (over * under) ** 2 * Y.real + 1j * over * under * Y.imag  # -ω(A - A∞)

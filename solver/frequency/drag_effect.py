@@ -20,7 +20,7 @@ from solver.frequency.response import Response
 from solver.lines import real_by_complex
 from solver.statistics import FAINT, STATISTICS
 
-WHOLE = 3 * np.pi / 8  # variance of |z|z over that of its linear part; of |cos|cos the size of the linear part
+WHOLE = 3 * np.pi / 8  # variance of |z|z over that of its linear part; over |cos|cos the size of its linear part
 LITTLE = 2e-2  # share of the variance of the legs' tops below which no statistic of their stress is off by 1e-3
 
 

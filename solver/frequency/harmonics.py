@@ -6,8 +6,8 @@ all of it has beyond the linear model's loads,
 
     Z(m·ω) Xₘ = Fₘ + Nₘ(X)
 
-again until it agrees with its own result. Drag, dampers and bent laws stay as they were linearised. The instants are
-those of waves whose frequencies are whole numbers, `steps`, of which no two sums are the same.
+again until it agrees with its own result. Drag, dampers and loads by rate stay as they were linearised. The instants
+are those of waves whose frequencies are whole numbers, `steps`, of which no two sums are the same.
 
 For a sea two of its waves stand that share what turns the arms, each as high as half of that is. Their own lines tell
 by how much the linear response is more or less, sums and differences what is there besides; beside the sea's response.
@@ -35,6 +35,7 @@ from solver.record.response import absorbs
 from solver.record.sampling import least_force
 from solver.statistics import FAINT
 
+STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
 ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
 AGREED = 0.02  # last change of the harmonics, of what turning changes of them
 
@@ -108,21 +109,22 @@ def turning_effect(
 ) -> Effect:
     """What turning changes of a response; UNTOLD where no round agrees.
 
-    angles (nz,): which of the floats' coordinates turn a lever. slow (m, n): shapes, of unit inertia, of resonances
+    angles (nz,): which of the floats' coordinates turn one. slow (m, n): shapes of resonances
     below the waves, or of no stiffness. What differences of frequencies do to these is not theirs of two waves alone:
-    see rotation.slow_motions. compression (nl,) [Pa]: std of that at the legs' feet.
+    see rotation. compression (legs,) [Pa]: std of `bottom_stress`, which no line has.
     """
     standing = _standing(case, response, angles)
     waves, (place, height, _) = _waves(case, standing), standing
     lattice, omega, length = waves.lattice, waves.omega, case.model.length
     linear = lattice.first((response.X[place].T * height).T)
-    Z = case.model.dynamic_stiffness(omega, waves.Y) - 1j * omega[:, None, None] * response.damping
-    below = np.flatnonzero(np.abs(omega) < case.waves.min())[1:]
+    Z = case.model.assembled(omega, waves.against) - 1j * omega[:, None, None] * response.damping
+    below, inertia = np.flatnonzero(np.abs(omega) < case.waves.min())[1:], slow @ case.model.mass
+    moving = np.linalg.solve(inertia @ slow.T, inertia)
     X = linear
     for _ in range(ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
             more, wrench = _beyond(case, waves, X)
-        more[below] -= (more[below] @ slow.T) @ (slow @ case.model.mass)
+        more[below] -= more[below] @ slow.T @ moving
         before, X = X, linear.copy()
         X[0] += case.shift(more[0].real)
         X[1:] += np.linalg.solve(Z[1:], more[1:, :, None])[..., 0]
@@ -144,7 +146,7 @@ def turning_effect(
 def _extremes(case: Case, waves: _Waves, of: _Standing, told: np.ndarray, exact: np.ndarray) -> float:
     """Largest ones to be expected of joints' forces, lines `told` (nl, m), over those of Gaussian ones, as in a sea.
 
-    1 + γ(u - 1/u)/6 of skewness γ, u σ Gaussian (Winterstein 1988); 3⟨y₁²y₂⟩ of n equal waves is 2 - 1.5/n of σ⁴.
+    1 + γ(u - 1/u)/6 of skewness γ, u σ Gaussian (Winterstein 1988); 3⟨y₁²y₂⟩ of n equal waves goes as 2 - 1.5/n.
     """
     if case.waves.size == 1:
         return 1.0
@@ -175,6 +177,9 @@ def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:
 def _waves(case: Case, of: _Standing) -> _Waves:
     lattice, h = (ONE, TWO)[len(of.place) - 1], case.hydrodynamics
     omega = lattice.sums @ case.waves[of.place]
+    omega[1:] += (
+        (np.abs(omega[1:]) < STILL * case.waves.min()) * STILL * case.waves.min()
+    )  # a shape may have no stiffness
     Y = np.zeros((omega.size, *case.impedance.shape[1:]), complex)
     if h is not None:
         Y[1:] = impedance_anywhere(case.system, h, np.abs(omega[1:]))
@@ -230,10 +235,7 @@ def _changed(square: np.ndarray, grown: np.ndarray, least: np.ndarray | float = 
 def _of_frame(
     case: Case, waves: _Waves, frame: Forces, own: np.ndarray, more: np.ndarray, compression: np.ndarray
 ) -> Iterator[float]:
-    """The same of what the frame's steel bears, of lines `own` (nw, ny), by further motions (nk, n).
-
-    compression (nl,): std of the legs' largest, which no line has.
-    """
+    """The same of what the frame's steel bears, lines `own` (nw, ny), by further motions (nk, n), their drag aside."""
     support, steel, P = case.system.support, case.channels.steel, more[1:, : case.system.structure.omega.size]
     if support is None or support.forces is None or steel is None:
         return

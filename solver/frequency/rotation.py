@@ -29,10 +29,10 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.equilibrium import balance
+from solver.coupled.linear import KNOWN as MODELS
 from solver.coupled.linear import jacobian
-from solver.coupled.support import KNOWN
 from solver.coupled.system import Resting, known_differences
-from solver.frequency.case import Case
+from solver.frequency.case import KNOWN, NARROW, Case
 from solver.frequency.drag_effect import Effect
 from solver.frequency.gaussian import covariance
 from solver.frequency.harmonics import turning_effect
@@ -52,7 +52,7 @@ class _Turning(NamedTuple):
     """How the levers of nz coordinates change with them."""
 
     levers: np.ndarray  # ∂ᵢJ (nz, nb, 6, nz)
-    angles: np.ndarray  # (nz,) which of them turn a lever
+    angles: np.ndarray  # (nz,) which of them turn a float: loads on its lever, or those of its centre of gravity
 
 
 class _Swinging(NamedTuple):
@@ -113,35 +113,31 @@ def rotation_effect(
     if not response.Z[:, angles].any():
         return Effect(0.0, 1.0)
     compression = told["bottom_stress"][..., STATISTICS.index("std")] if "bottom_stress" in told else np.zeros(0)
-    swinging = _resonant(case, response)
+    swinging = resonant(case, response)
     free = case.modes.shapes[:, case.modes.omega == 0].T
     shapes = np.array([*free, *(of.shape for of, _ in swinging)]).reshape(-1, len(case.model.mass))
     finite = turning_effect(case, law, response, frame, angles, shapes, compression)
     if not swinging:
         return finite
-    slow, std = _slow_motions(case, response, swinging), lengths(response.X.T) / np.sqrt(2)
+    slow, std = slow_motions(case, response, swinging), lengths(response.X.T) / np.sqrt(2)
     moved = case.model.length * std
     used = moved > FAINT * moved.max()
     error = float(np.max(np.hypot(1, slow[used] / std[used]), initial=1.0) - 1)
     return finite._replace(error=max(finite.error, error))
 
 
-def slow_motions(case: Case, response: Response) -> np.ndarray:
-    """Their std (n,) of the linear model's coordinates [m, rad, ...]."""
-    return _slow_motions(case, response, _resonant(case, response))
-
-
-def _resonant(case: Case, response: Response) -> list[tuple[_Swinging, float]]:
-    """Shapes below the waves that are damped lightly, and by how much, B."""
+def resonant(case: Case, response: Response) -> list[tuple[_Swinging, float]]:
+    """Shapes below the waves that are damped lightly, and by how much, B; by next to nothing, if by nothing."""
     damping, found = case.model.damping + response.damping, []
     for of in _swinging(case):
         B = float(of.shape @ damping @ of.shape + of.radiated)
-        if 0 < B < 2 * LIGHTLY * of.omega:
-            found.append((of, B))
+        if 2 * LIGHTLY * of.omega > B:
+            found.append((of, max(B, 2 * NARROW * of.omega)))
     return found
 
 
-def _slow_motions(case: Case, response: Response, swinging: Iterable[tuple[_Swinging, float]]) -> np.ndarray:
+def slow_motions(case: Case, response: Response, swinging: Iterable[tuple[_Swinging, float]]) -> np.ndarray:
+    """Their std (n,) of the linear model's coordinates [m, rad, ...]."""
     waves, variance = case.waves.size, np.zeros(len(case.model.mass))
     for of, B in swinging:
         S = _spectrum(of, case.waves, response.X[:waves], response.Z[:waves], response.wrench[:waves])
@@ -192,7 +188,7 @@ def _swinging(case: Case) -> tuple[_Swinging, ...]:
     return tuple(found)
 
 
-@lru_cache(maxsize=KNOWN)
+@lru_cache(maxsize=MODELS)
 def _turning(resting: Resting) -> _Turning:
     """Scenes that differ in their seas and dampers alone share it."""
     body, _, z = resting.value
@@ -200,10 +196,10 @@ def _turning(resting: Resting) -> _Turning:
     slopes = [jacobian(body, z + h) - jacobian(body, z - h) for h in steps]
     levers = np.reshape(slopes, (z.size, body.axes.size, 6, z.size)) / (2 * NEAR)
     turns = np.any(jacobian(body, z)[:, 3:], axis=(0, 1))
-    return _Turning(levers, turns & levers.any(axis=(1, 2, 3)))
+    return _Turning(levers, turns)
 
 
-@lru_cache(maxsize=KNOWN)
+@lru_cache(maxsize=MODELS)
 def _curvature(resting: Resting) -> np.ndarray:
     """∂ᵢ∂ⱼ(JᵀW)_k in still water (nz, 3nz, 3nz), k first."""
     body, _, z = resting.value

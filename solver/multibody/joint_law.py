@@ -21,8 +21,8 @@ The law is smooth but where an axis leaves a zone: it meets a stop or comes free
 latch, or its power take-off reaches F_max, lets go, or comes to a line of its table. In a zone each formula goes on
 beyond that; `zones` tells where the zone ends.
 
-A further kind of law of an axis is a field of JointLaw, called as the Float's, and its terms in `axis_load` and, if it
-stores energy, `axis_energy`; if it bends, zones for it in `zones`.
+A further kind of law of an axis is a field of JointLaw, called as the Float's, and its terms in `axis_load`,
+`axis_damping` and, if it stores energy, `axis_energy`; if it bends, zones for it in `zones` and slopes in `tangent`.
 """
 
 from typing import NamedTuple

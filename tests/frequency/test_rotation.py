@@ -13,7 +13,7 @@ from solver.frequency import gaussian, harmonics, rotation
 from solver.frequency.case import case_of
 from solver.frequency.outputs import frame_forces
 from solver.frequency.response import respond, respond_in
-from solver.frequency.rotation import mean_shift, slow_motions
+from solver.frequency.rotation import mean_shift, resonant, slow_motions
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from solver.run import simulate
@@ -21,7 +21,7 @@ from solver.scene import Float
 from solver.sea.realization import components, realize, regular
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.statistics import STATISTICS
-from tests.awkward import SCENES, known, scene
+from tests.awkward import SCENES, known, scene, sea
 from tests.frequency.test_frequency import linear, repeating
 
 
@@ -66,7 +66,7 @@ def test_mean_angles_grow_with_the_waves_height_squared():
 
 def swinging(name, angle, waves):
     """A linear scene in which a float's angle has a std in these waves, as the frequency domain has it."""
-    item, h = (SCENES | {each.__name__: each for each in (steep_arm, ring_on_a_spar)})[name]()
+    item, h = (SCENES | {each.__name__: each for each in (steep_arm, ring_on_a_spar, column)})[name]()
     item = linear(waves(item), method="frequency")
     turns = np.concatenate([f.turns for f in item.floats])
     std = np.linalg.norm(respond(item, h).Z[:, -turns.size :][:, turns], axis=0).max() / np.sqrt(2)
@@ -87,7 +87,7 @@ def largest(march, lines, names):
         at = STATISTICS.index("mean" if name == "absorbed_power" else "std")
         exact, told = (np.nan_to_num(x[name][1][..., at]) for x in (march, lines))
         used = told > 0.02 * told.max()
-        worst = max(worst, np.abs(exact[used] / told[used] - 1).max())
+        worst = max(worst, np.abs(exact[used] / told[used] - 1).max(initial=0.0))
     return worst
 
 
@@ -103,6 +103,7 @@ BORNE = ("rotation", "motion", "absorbed_power", "hinge_force")
         pytest.param("oblique", 0.1, marks=pytest.mark.slow),
         pytest.param("model_scale", 0.1, marks=pytest.mark.slow),
         pytest.param("unequal_legs", 0.1, marks=pytest.mark.slow),
+        ("column", 0.05),
     ],
 )
 def test_what_turning_changes_in_one_wave_is_told_as_the_march_shows(name, angle):
@@ -144,6 +145,15 @@ def ring_on_a_spar():
     return item, known(item, 0.3, 6.0)
 
 
+def column():
+    """Free, its joint at still water: what turns is no arm, but a centre of gravity 8 m below the reference point."""
+    hull = Revolution.vertical_cylinder(radius=3.0, draft=12.0, freeboard=4.0)
+    mass, free = 1025 * hull.volume, {"motion": ("surge", "heave", "pitch"), "damping": (2e4, 2e4, 1e6)}
+    body = {"hull": hull, "mass": mass, "inertia": (20 * mass,) * 3, "cog": (0, 0, -8.0), "hinge": (0, 0, 0)}
+    item = scene((Float(name="column", **body, **free, stiffness=(2e4, 0, 0)),), waves=sea(Tp=7.0, band=(0.6, 2.4)))
+    return item, known(item, 0.3, 6.0)
+
+
 APART = np.array([16, 19, 22, 28, 34, 43, 52])  # no sums or differences of two or three of which are the same
 
 
@@ -160,6 +170,7 @@ def sea_of(item):
         ("model_scale", 0.1),
         ("steep_arm", 0.06),
         ("ring_on_a_spar", 0.04),
+        ("column", 0.05),
         *(
             pytest.param(*case, marks=pytest.mark.slow)
             for case in (
@@ -209,6 +220,16 @@ def test_that_turning_skews_forces_is_told():
         assert ("arms turn, and forces of joints are not Gaussian" in text) is told
 
 
+def test_waves_of_one_frequency_make_no_difference():
+    """Nor do two whose sum is none; a shape that nothing holds is not moved by either."""
+    item, h = column()
+    free = replace(item.floats[0], stiffness=(0.0, 0.0, 0.0))
+    for omega in ([1.0, 1.0], [0.9, 0.9, 1.3], [0.8, 1.6]):
+        waves = components(amplitude=np.full(len(omega), 0.05), omega=np.array(omega), phase=np.arange(len(omega)))
+        record = simulate(linear(replace(item, floats=(free,), sea=waves), method="frequency"), h)
+        assert 0 < record.attrs["rotation_effect"] < 0.05
+
+
 def test_a_wave_that_no_round_agrees_for_is_not_told():
     item, h = SCENES["duck"]()
     high = linear(replace(item, sea=regular(height=30.0, period=4.0)), method="frequency")
@@ -245,7 +266,8 @@ def test_what_swings_below_the_waves_is_told_though_no_line_has_it(spar):
     item, h = spar
     lines = in_sea(item, 0.6, 1, method="frequency")
     record, case = simulate(lines, h), case_of(lines, h)
-    expected = np.hypot(slow_motions(case, respond(lines, h))[0], heave(record))
+    response = respond(lines, h)
+    expected = np.hypot(slow_motions(case, response, resonant(case, response))[0], heave(record))
     marched = np.sqrt(np.mean([heave(simulate(in_sea(item, 0.6, seed), h)) ** 2 for seed in (1, 2, 3)]))
     assert expected == approx(marched, rel=0.15)
     assert record.attrs["rotation_effect"] == approx(expected / heave(record) - 1, rel=1e-6)
@@ -256,10 +278,15 @@ def test_what_swings_below_the_waves_is_told_though_no_line_has_it(spar):
 def test_it_grows_with_the_waves_height_squared_and_one_wave_has_none(spar):
     item, h = spar
     low, high = (in_sea(item, Hs, 1, method="frequency") for Hs in (0.3, 0.6))
-    low_std, high_std = (slow_motions(case_of(each, h), respond(each, h)) for each in (low, high))
+
+    def slow(item):
+        case, response = case_of(item, h), respond(item, h)
+        return slow_motions(case, response, resonant(case, response))
+
+    low_std, high_std = map(slow, (low, high))
     assert high_std == approx(4 * low_std, rel=1e-6) and high_std[0] > 0
     one = replace(low, sea=regular(height=0.5, period=5.0))
-    assert slow_motions(case_of(one, h), respond(one, h)).max() == 0.0
+    assert slow(one).max() == 0.0
 
 
 def test_what_only_slides_has_none():

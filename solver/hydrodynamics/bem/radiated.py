@@ -97,7 +97,7 @@ def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
         judged = some & (damping > DAMPED * np.max(damping[some], initial=0.0))
         if not np.isin(motions, needed).all() or not judged.any():
             continue
-        force = np.sum(np.abs(X[:, motions]) ** 2, axis=1)
+        force = np.sum(np.abs(X[:, [2] if motions == [2] else [0, 1]]) ** 2, axis=1)
         ratio = float(np.median(damping[judged] / np.maximum(each * force / share, 1e-300)[judged]))
         if not 1 / ENERGY < ratio < ENERGY:
             text = f"damping {way} is {ratio:.3g} times what the wave force tells of the power radiated"

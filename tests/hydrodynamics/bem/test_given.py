@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem import agreement, bem, radiated
@@ -21,6 +22,7 @@ from solver.hydrodynamics.hull.ring import ring
 from solver.hydrodynamics.radiation.infinite import damping_share, infinite_added_mass
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
+from solver.sea.dispersion import group_velocity
 from solver.sea.realization import realize
 from solver.sea.spectrum import PiersonMoskowitz
 from tests.once import solve
@@ -415,6 +417,22 @@ def test_the_force_of_long_waves_tells_of_damping(dofs, way, angle):
         with pytest.raises(InputError, match=f"damping {way} is {factor}.* times what the wave force tells"):
             radiated.require_energy(replace(given, radiation_damping=wrong), floats, np.array(dofs))
         radiated.require_energy(replace(given, radiation_damping=wrong), floats, np.array([3]))
+
+
+def test_a_long_hull_turned_in_plan_keeps_its_damping():
+    """Three times a dipole along one of its axes as along the other: waves along x push it across them, too."""
+    sea, omega, turn = Sea(**SEA | {"heading": 0.0}), np.linspace(0.3, 1.2, 8), Rotation.from_euler("z", 0.4)
+    R = turn.as_matrix()[:2, :2]
+    D, k = R @ np.diag([1.0, 3.0]) @ R.T, sea.wavenumbers(omega)
+    each = k / (sea.density * sea.gravity * group_velocity(omega, sea.depth, sea.gravity))
+    X, B = np.zeros((8, 1, 6), complex), np.zeros((8, 6, 6))
+    X[:, 0, :2], B[:, :2, :2] = 1e3 * D[0], 1e6 / 8 * each[:, None, None] * (D @ D)
+    columns = tuple((0, dof) for dof in DOFS)
+    given = told(first(boxy(), 8), omega=omega, radiation_damping=B, excitation=X, columns=columns)
+    floats = Floats(BOX["hulls"], BOX["centres"], BOX["names"], sea)
+    radiated.require_energy(given, floats, np.arange(6))
+    with pytest.raises(InputError, match=r"along the waves is 1\.5 times"):
+        radiated.require_energy(replace(given, radiation_damping=1.5 * B), floats, np.arange(6))
 
 
 def test_damping_between_bodies_is_that_of_the_waves_of_both():
