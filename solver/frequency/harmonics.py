@@ -109,9 +109,9 @@ def turning_effect(
 ) -> Effect:
     """What turning changes of a response; UNTOLD where no round agrees.
 
-    angles (nz,): which of the floats' coordinates turn one. slow (m, n): shapes of resonances
-    below the waves, or of no stiffness. What differences of frequencies do to these is not theirs of two waves alone:
-    see rotation. compression (legs,) [Pa]: std of `bottom_stress`, which no line has.
+    angles (nz,): which of the floats' coordinates turn one. slow (m, n): shapes of resonances below the waves, or of no
+    stiffness; what differences of frequencies do to these is not that of two waves alone, see rotation. compression
+    (legs,) [Pa]: std of `bottom_stress`, which no line has.
     """
     standing = _standing(case, response, angles)
     waves, (place, height, _) = _waves(case, standing), standing
@@ -135,8 +135,8 @@ def turning_effect(
             force, borne = case.channels.hinge_force, (response.wrench[place].T * height).T
             told, exact = force(response.wrench), force(wrench)
             error = max(
-                *_of_motions(case, law, waves, response, linear, X),
-                *_of_forces(case, waves, told, force(lattice.first(borne)), exact),
+                _of_motions(case, law, waves, response, linear, X),
+                _of_forces(case, waves, told, force(lattice.first(borne)), exact),
                 *_of_frame(case, waves, frame, (frame.lines[place].T * height).T, X - linear, compression),
             )
             return Effect(error, _extremes(case, waves, standing, told.reshape(len(told), -1), exact))
@@ -177,9 +177,8 @@ def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:
 def _waves(case: Case, of: _Standing) -> _Waves:
     lattice, h = (ONE, TWO)[len(of.place) - 1], case.hydrodynamics
     omega = lattice.sums @ case.waves[of.place]
-    omega[1:] += (
-        (np.abs(omega[1:]) < STILL * case.waves.min()) * STILL * case.waves.min()
-    )  # a shape may have no stiffness
+    slowest = STILL * case.waves.min()  # a shape may have no stiffness
+    omega[1:] = np.where(np.abs(omega[1:]) < slowest, slowest, omega[1:])
     Y = np.zeros((omega.size, *case.impedance.shape[1:]), complex)
     if h is not None:
         Y[1:] = impedance_anywhere(case.system, h, np.abs(omega[1:]))
@@ -207,7 +206,7 @@ def _grown(waves: _Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray
 
 def _of_motions(
     case: Case, law: JointLaw, waves: _Waves, response: Response, linear: np.ndarray, X: np.ndarray
-) -> Iterator[float]:
+) -> float:
     """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed."""
     rate = waves.omega[:, None]
     square, of_rate = (np.sum(np.abs(x) ** 2, axis=0) for x in (response.X, response.omega[:, None] * response.X))
@@ -216,13 +215,13 @@ def _of_motions(
     takes = used & absorbs(case.system, law)
     std = np.sqrt(_grown(waves, square, linear, X)[used] / square[used])
     power = _grown(waves, of_rate, rate * linear, rate * X)[takes] / of_rate[takes]
-    yield float(np.abs(np.concatenate([std, power]) - 1).max(initial=0.0))
+    return float(np.abs(np.concatenate([std, power]) - 1).max(initial=0.0))
 
 
-def _of_forces(case: Case, waves: _Waves, forces: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> Iterator[float]:
+def _of_forces(case: Case, waves: _Waves, forces: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> float:
     """The same of joints' forces (nl, nb, 3), but for those that count as zero."""
     square = np.sum(np.abs(forces) ** 2, axis=0)
-    yield _changed(square, _grown(waves, square, usual, exact), 2 * least_force(case.system.scene) ** 2)
+    return _changed(square, _grown(waves, square, usual, exact), 2 * least_force(case.system.scene) ** 2)
 
 
 def _changed(square: np.ndarray, grown: np.ndarray, least: np.ndarray | float = 0.0) -> float:
