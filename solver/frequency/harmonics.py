@@ -98,33 +98,33 @@ class _Standing(NamedTuple):
     several: float  # equal waves whose squares scatter as those of all
 
 
+class Slow(NamedTuple):
+    """What two waves do not tell."""
+
+    shapes: np.ndarray  # (m, n) of resonances below the waves, or of no stiffness
+    variance: np.ndarray  # (n,) of what all differences of frequencies below the waves move
+    compression: np.ndarray  # (legs,) std of `bottom_stress` [Pa], which no line has
+
+
 def turning_effect(
-    case: Case,
-    law: JointLaw,
-    response: Response,
-    frame: Forces,
-    angles: np.ndarray,
-    slow: np.ndarray,
-    compression: np.ndarray,
+    case: Case, law: JointLaw, response: Response, frame: Forces, angles: np.ndarray, slow: Slow
 ) -> Effect:
     """What turning changes of a response; UNTOLD where no round agrees.
 
-    angles (nz,): which of the floats' coordinates turn one. slow (m, n): shapes of resonances below the waves, or of no
-    stiffness; what differences of frequencies do to these is not that of two waves alone, see rotation. compression
-    (legs,) [Pa]: std of `bottom_stress`, which no line has.
+    angles (nz,): which of the floats' coordinates turn one.
     """
     standing = _standing(case, response, angles)
     waves, (place, height, _) = _waves(case, standing), standing
     lattice, omega, length = waves.lattice, waves.omega, case.model.length
     linear = lattice.first((response.X[place].T * height).T)
     Z = case.model.assembled(omega, waves.against) - 1j * omega[:, None, None] * response.damping
-    below, inertia = np.flatnonzero(np.abs(omega) < case.waves.min())[1:], slow @ case.model.mass
-    moving = np.linalg.solve(inertia @ slow.T, inertia)
+    below, inertia = np.flatnonzero(np.abs(omega) < case.waves.min())[1:], slow.shapes @ case.model.mass
+    moving = np.linalg.solve(inertia @ slow.shapes.T, inertia)
     X = linear
     for _ in range(ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
             more, wrench = _beyond(case, waves, X)
-        more[below] -= more[below] @ slow.T @ moving
+        more[below] -= more[below] @ slow.shapes.T @ moving
         before, X = X, linear.copy()
         X[0] += case.shift(more[0].real)
         X[1:] += np.linalg.solve(Z[1:], more[1:, :, None])[..., 0]
@@ -135,9 +135,9 @@ def turning_effect(
             force, borne = case.channels.hinge_force, (response.wrench[place].T * height).T
             told, exact = force(response.wrench), force(wrench)
             error = max(
-                _of_motions(case, law, waves, response, linear, X),
+                _of_motions(case, law, waves, response, linear, X, slow.variance),
                 _of_forces(case, waves, told, force(lattice.first(borne)), exact),
-                *_of_frame(case, waves, frame, (frame.lines[place].T * height).T, X - linear, compression),
+                *_of_frame(case, waves, frame, (frame.lines[place].T * height).T, X - linear, slow.compression),
             )
             return Effect(error, _extremes(case, waves, standing, told.reshape(len(told), -1), exact))
     return Effect(UNTOLD, 1.0)
@@ -205,15 +205,20 @@ def _grown(waves: _Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray
 
 
 def _of_motions(
-    case: Case, law: JointLaw, waves: _Waves, response: Response, linear: np.ndarray, X: np.ndarray
+    case: Case, law: JointLaw, waves: _Waves, response: Response, linear: np.ndarray, X: np.ndarray, slow: np.ndarray
 ) -> float:
-    """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed."""
+    """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed.
+
+    slow (n,): variance of what is below the waves.
+    """
     rate = waves.omega[:, None]
     square, of_rate = (np.sum(np.abs(x) ** 2, axis=0) for x in (response.X, response.omega[:, None] * response.X))
     size = case.model.length * np.sqrt(square)
     used = size > FAINT * size.max(initial=0.0)
     takes = used & absorbs(case.system, law)
-    std = np.sqrt(_grown(waves, square, linear, X)[used] / square[used])
+    below = np.abs(waves.omega) < case.waves.min()
+    grown = _grown(waves, square, linear, np.where(below[:, None], 0.0, X)) + 2 * slow
+    std = np.sqrt(grown[used] / square[used])
     power = _grown(waves, of_rate, rate * linear, rate * X)[takes] / of_rate[takes]
     return float(np.abs(np.concatenate([std, power]) - 1).max(initial=0.0))
 

@@ -30,21 +30,21 @@ import numpy as np
 
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import KNOWN as MODELS
-from solver.coupled.linear import jacobian
+from solver.coupled.linear import impedance_anywhere, jacobian
 from solver.coupled.system import Resting, known_differences
 from solver.frequency.case import KNOWN, NARROW, Case
 from solver.frequency.drag_effect import Effect
 from solver.frequency.gaussian import covariance
-from solver.frequency.harmonics import turning_effect
+from solver.frequency.harmonics import Slow, turning_effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
-from solver.lines import lengths
 from solver.multibody.joint_law import JointLaw
 from solver.record.slow import LIGHTLY, below
-from solver.statistics import FAINT, STATISTICS
+from solver.statistics import STATISTICS
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
 ROUNDING = 1e-12  # of the largest variance
+MANY, BINS = 30, 24  # waves that stand for all of a sea, and frequencies for their differences
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
 
 
@@ -114,16 +114,70 @@ def rotation_effect(
         return Effect(0.0, 1.0)
     compression = told["bottom_stress"][..., STATISTICS.index("std")] if "bottom_stress" in told else np.zeros(0)
     swinging = resonant(case, response)
-    free = case.modes.shapes[:, case.modes.omega == 0].T
-    shapes = np.array([*free, *(of.shape for of, _ in swinging)]).reshape(-1, len(case.model.mass))
-    finite = turning_effect(case, law, response, frame, angles, shapes, compression)
-    if not swinging:
-        return finite
-    slow, std = slow_motions(case, response, swinging), lengths(response.X.T) / np.sqrt(2)
-    moved = case.model.length * std
-    used = moved > FAINT * moved.max()
-    error = float(np.max(np.hypot(1, slow[used] / std[used]), initial=1.0) - 1)
-    return finite._replace(error=max(finite.error, error))
+    shapes = np.array([*_free(case), *(of.shape for of, _ in swinging)]).reshape(-1, len(case.model.mass))
+    slow = slow_motions(case, response, swinging) ** 2 + below_the_waves(case, response)
+    return turning_effect(case, law, response, frame, angles, Slow(shapes, slow, compression))
+
+
+def _free(case: Case) -> np.ndarray:
+    """Shapes (m, n) that nothing holds."""
+    return np.asarray(case.modes.shapes[:, case.modes.omega == 0].T)
+
+
+class _Differences(NamedTuple):
+    """Of m waves that stand for all those beside them; p pairs of them, K frequencies."""
+
+    place: np.ndarray  # (m,)
+    height: np.ndarray  # (m,) times as high
+    pairs: np.ndarray  # (2, p)
+    weight: np.ndarray  # (p,) of waves that one stands for among themselves, less than 1
+    near: np.ndarray  # (p,) which of the frequencies is that of the difference
+    omega: np.ndarray  # (K,) [rad/s]
+    Z: np.ndarray  # (K, n, n) without dampers
+
+
+@lru_cache(maxsize=KNOWN)
+def _differences(case: Case) -> _Differences:
+    """Of several waves; what resonates more narrowly than these are apart is damped more, and told by slow_motions."""
+    omega, power, model = case.waves, np.abs(case.amplitude[: case.waves.size]) ** 2, case.model
+    groups = np.array_split(np.argsort(omega), min(MANY, omega.size))
+    place = np.array([of[power[of].argmax()] for of in groups])
+    whole, squares = (np.array([np.sum(x[of]) for of in groups]) for x in (power, power**2))
+    higher, lower = np.tril_indices(len(place))
+    width = np.ptp(omega) / len(place)
+    apart = np.where(higher == lower, width / 3, omega[place[higher]] - omega[place[lower]])
+    weight = np.where(higher == lower, (1 - squares / whole**2)[higher] / 2, 1.0)
+    some = (weight > 0) & (apart > 0) & (apart < omega.min())
+    ends = (apart[some].min(), apart[some].max()) if some.any() else (omega.min(),) * 2
+    at = np.geomspace(*ends, BINS)
+    near = np.abs(np.log(apart[some, None] / at)).argmin(axis=1)
+    Y = np.zeros((BINS, *2 * (len(model.active),)))
+    if case.hydrodynamics is not None:
+        Y = impedance_anywhere(case.system, case.hydrodynamics, at)
+    Z = model.dynamic_stiffness(at, Y) - 2j * width * at[:, None, None] * model.mass
+    pairs = np.stack([higher[some], lower[some]])
+    return _Differences(place, np.sqrt(whole / power[place]), pairs, weight[some], near, at, Z)
+
+
+def below_the_waves(case: Case, response: Response) -> np.ndarray:
+    """Variance (n,) of what differences of frequencies below the waves move, but for narrow resonances:
+
+    Σ ½|Z⁻¹f|² over pairs of waves, f = ½ (z⋆b + b⋆z + s⋆Hs) of their z, s and b = W' on levers, the second conjugate.
+    """
+    if case.waves.size == 1:
+        return np.zeros(len(case.model.mass))
+    of, model, resting = _differences(case), case.model, case.system.resting
+    (i, j), rate = of.pairs, -1j * case.waves[of.place, None]
+    X, z, wrench = ((lines[of.place].T * of.height).T for lines in (response.X, response.Z, response.wrench))
+    still = sum(rate**k * (X @ W.reshape(-1, X.shape[1]).T) for k, W in enumerate(model.wrench))
+    W, s, turns = wrench.reshape(len(z), -1) - still, _states(case.waves[of.place], z), _turning(resting).levers
+    b = np.tensordot(turns.reshape(len(turns), -1, len(turns)), z, (0, 1)).transpose(1, 2, 0)  # (nz, m, 6nb)
+    lever = b @ W.conj().T
+    load = 0.5 * (lever + lever.conj().swapaxes(1, 2) + s @ _curvature(resting) @ s.conj().T)[:, i, j]
+    force, free = model.shape.T @ load, _free(case)
+    force -= (np.linalg.solve(free @ model.mass @ free.T, free @ model.mass)).T @ (free @ force)
+    moved = np.linalg.inv(of.Z - 1j * of.omega[:, None, None] * response.damping)
+    return np.asarray(0.5 * of.weight @ np.abs(moved[of.near] @ force.T[..., None])[..., 0] ** 2)
 
 
 def resonant(case: Case, response: Response) -> list[tuple[_Swinging, float]]:
