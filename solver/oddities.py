@@ -16,7 +16,7 @@ from solver.statistics import STATISTICS
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
 STEEP = 1.2  # factor by which extremes may exceed those of Gaussian responses
-APART = 1.1  # factor by which extremes may miss those of Gaussian rates; of power it is the square
+APART = 1.1  # factor by which extremes may miss those of Gaussian rates or forces; of power it is the square
 HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
 STRAYED = 0.5  # [rad] of the mean wave that it may go from where linear wave loads have their phases
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
@@ -288,7 +288,7 @@ def drag_driven(factor: float) -> Iterator[str]:
 
 def skewed(factor: float) -> Iterator[str]:
     """A sentence where arms that turn make extremes of joints' forces exceed Gaussian ones by a factor."""
-    if factor > STEEP:
+    if factor > APART:
         yield (
             "floats: arms turn, and forces of joints are not Gaussian: expect largest ones up to"
             f" {factor:.2g} times those that max and min have"

@@ -28,6 +28,7 @@ from solver.frequency.case import Case
 from solver.frequency.drag_effect import Effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
+from solver.frequency.shape import beyond_rayleigh
 from solver.lines import real_by_complex
 from solver.multibody.joint_law import JointLaw
 from solver.record.probe import UNTOLD
@@ -132,35 +133,42 @@ def turning_effect(
         if not np.isfinite(change):
             break
         if change <= AGREED * whole:
+            # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
+            wrench = case.model.loads(omega, X - before, waves.Y, wrench, case.system.bodies.active)
             force, borne = case.channels.hinge_force, (response.wrench[place].T * height).T
-            told, exact = force(response.wrench), force(wrench)
+            told, usual, exact = force(response.wrench), force(lattice.first(borne)), force(wrench)
             error = max(
                 _of_motions(case, law, waves, response, linear, X, slow.variance),
-                _of_forces(case, waves, told, force(lattice.first(borne)), exact),
+                _of_forces(case, waves, told, usual, exact),
                 *_of_frame(case, waves, frame, (frame.lines[place].T * height).T, X - linear, slow.compression),
             )
-            return Effect(error, _extremes(case, waves, standing, told.reshape(len(told), -1), exact))
+            each = (lines.reshape(len(lines), -1) for lines in (told, usual, exact))
+            return Effect(error, _extremes(case, waves, standing, *each))
     return Effect(UNTOLD, 1.0)
 
 
-def _extremes(case: Case, waves: _Waves, of: _Standing, told: np.ndarray, exact: np.ndarray) -> float:
+def _extremes(
+    case: Case, waves: _Waves, of: _Standing, told: np.ndarray, usual: np.ndarray, exact: np.ndarray
+) -> float:
     """Largest ones to be expected of joints' forces, lines `told` (nl, m), over those of Gaussian ones, as in a sea.
 
-    1 + γ(u - 1/u)/6 of skewness γ, u σ Gaussian (Winterstein 1988); 3⟨y₁²y₂⟩ of n equal waves goes as 2 - 1.5/n.
+    More by γ(u - 1/u)/6 of skewness γ, and by the kurtosis, u σ Gaussian (Winterstein 1988); ⟨y₁²y₂⟩ of n equal waves
+    goes as 2 - 1.5/n. usual, exact: lines (nk, m).
     """
     if case.waves.size == 1:
         return 1.0
-    y = waves.lattice.at_instants(exact.reshape(len(exact), -1))
-    y -= y.mean(axis=0)
+    linear, y = (waves.lattice.at_instants(np.concatenate([0 * x[:1], x[1:]])) for x in (usual, exact))
     square, size = np.mean(y**2, axis=0), np.sum(np.abs(told) ** 2, axis=0)
     least = 2 * np.repeat(least_force(case.system.scene), 3) ** 2
     used = (square > 0) & (size > np.maximum(least, FAINT**2 * size.max(initial=0.0)))
     if not used.any():
         return 1.0
-    skewness = np.abs(np.mean(y[:, used] ** 3, axis=0)) / square[used] ** 1.5
-    skewness *= (2 - 1.5 / of.several) / (2 - 1.5 / len(of.place))
+    more = (2 - 1.5 / of.several) / (2 - 1.5 / len(of.place))
+    skewness = np.abs(np.mean(y[:, used] ** 3, axis=0)) / square[used] ** 1.5 * more
+    beyond = np.mean(y[:, used] ** 4, axis=0) / square[used] ** 2
+    beyond -= np.mean(linear[:, used] ** 4, axis=0) / np.mean(linear[:, used] ** 2, axis=0) ** 2
     u = gaussian.peak(told[:, used], case.omega, case.duration)
-    return float(np.max(1 + skewness * (u - 1 / u) / 6))
+    return float(np.max(beyond_rayleigh(np.maximum(beyond, 0.0), u) + skewness * (u - 1 / u) / 6))
 
 
 def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:

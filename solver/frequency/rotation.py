@@ -44,7 +44,7 @@ from solver.statistics import STATISTICS
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
 ROUNDING = 1e-12  # of the largest variance
-MANY, BINS = 30, 24  # waves that stand for all of a sea, and frequencies for their differences
+MANY, BINS = 24, 12  # waves that stand for all of a sea, and frequencies for their differences
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
 
 
