@@ -44,7 +44,7 @@ from solver.statistics import STATISTICS
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
 ROUNDING = 1e-12  # of the largest variance
-MANY, BINS = 24, 12  # waves that stand for all of a sea, and frequencies for their differences
+MANY, BINS = 40, 12  # waves that stand for all of a sea, and frequencies for their differences
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
 
 
@@ -124,60 +124,61 @@ def _free(case: Case) -> np.ndarray:
     return np.asarray(case.modes.shapes[:, case.modes.omega == 0].T)
 
 
-class _Differences(NamedTuple):
-    """Of m waves that stand for all those beside them; p pairs of them, K frequencies."""
+class _Slowly(NamedTuple):
+    """A case at frequencies below its waves."""
 
-    place: np.ndarray  # (m,)
-    height: np.ndarray  # (m,) times as high
-    pairs: np.ndarray  # (2, p)
-    weight: np.ndarray  # (p,) of waves that one stands for among themselves, less than 1
-    near: np.ndarray  # (p,) which of the frequencies is that of the difference
     omega: np.ndarray  # (K,) [rad/s]
     Z: np.ndarray  # (K, n, n) without dampers
+    width: float  # between waves that stand for all: what resonates more narrowly is damped more, see slow_motions
 
 
 @lru_cache(maxsize=KNOWN)
-def _differences(case: Case) -> _Differences:
-    """Of several waves; what resonates more narrowly than these are apart is damped more, and told by slow_motions."""
-    omega, power, model = case.waves, np.abs(case.amplitude[: case.waves.size]) ** 2, case.model
-    groups = np.array_split(np.argsort(omega), min(MANY, omega.size))
-    place = np.array([of[power[of].argmax()] for of in groups])
-    whole, squares = (np.array([np.sum(x[of]) for of in groups]) for x in (power, power**2))
-    higher, lower = np.tril_indices(len(place))
-    width = np.ptp(omega) / len(place)
-    apart = np.where(higher == lower, width / 3, omega[place[higher]] - omega[place[lower]])
-    weight = np.where(higher == lower, (1 - squares / whole**2)[higher] / 2, 1.0)
-    some = (weight > 0) & (apart > 0) & (apart < omega.min())
-    ends = (apart[some].min(), apart[some].max()) if some.any() else (omega.min(),) * 2
-    at = np.geomspace(*ends, BINS)
-    near = np.abs(np.log(apart[some, None] / at)).argmin(axis=1)
+def _slowly(case: Case) -> _Slowly:
+    omega, model = case.waves, case.model
+    width = float(np.ptp(omega) / min(MANY, omega.size))
+    at = np.geomspace(min(width / 3, omega.min()) or omega.min(), omega.min(), BINS)
     Y = np.zeros((BINS, *2 * (len(model.active),)))
     if case.hydrodynamics is not None:
         Y = impedance_anywhere(case.system, case.hydrodynamics, at)
-    Z = model.dynamic_stiffness(at, Y) - 2j * width * at[:, None, None] * model.mass
-    pairs = np.stack([higher[some], lower[some]])
-    return _Differences(place, np.sqrt(whole / power[place]), pairs, weight[some], near, at, Z)
+    return _Slowly(at, model.dynamic_stiffness(at, Y) - 2j * width * at[:, None, None] * model.mass, width)
 
 
 def below_the_waves(case: Case, response: Response) -> np.ndarray:
     """Variance (n,) of what differences of frequencies below the waves move, but for narrow resonances:
 
     Σ ½|Z⁻¹f|² over pairs of waves, f = ½ (z⋆b + b⋆z + s⋆Hs) of their z, s and b = W' on levers, the second conjugate.
+    At most MANY waves stand for those beside them, half of these for equal shares of what turns, half evenly.
     """
-    if case.waves.size == 1:
-        return np.zeros(len(case.model.mass))
-    of, model, resting = _differences(case), case.model, case.system.resting
-    (i, j), rate = of.pairs, -1j * case.waves[of.place, None]
-    X, z, wrench = ((lines[of.place].T * of.height).T for lines in (response.X, response.Z, response.wrench))
+    waves, model, resting = case.waves.size, case.model, case.system.resting
+    if waves == 1:
+        return np.zeros(len(model.mass))
+    of, order = _slowly(case), np.argsort(case.waves)
+    power = np.sum(np.abs(response.Z[:waves, _turning(resting).angles]) ** 2, axis=1)[order]
+    power = np.maximum(power, ROUNDING * power.max())
+    group = np.arange(waves)
+    if waves > MANY:
+        share = np.cumsum(power / power.sum() + 1 / waves) * MANY / 2
+        group = np.unique(np.minimum(share, MANY - 0.5).astype(int), return_inverse=True)[1]
+    whole, squares = (np.bincount(group, x) for x in (power, power**2))
+    largest = np.lexsort((power, group))[np.append(np.diff(group), 1) > 0]  # the last one of each group
+    place, height = order[largest], np.sqrt(whole / power[largest])
+    (i, j), omega = np.tril_indices(len(place)), case.waves[place]
+    apart = np.where(i == j, of.width / 3, omega[i] - omega[j])
+    weight = np.where(i == j, (1 - squares / whole**2)[i] / 2, 1.0)
+    some = (weight > 0) & (apart > 0) & (apart < case.waves.min())
+    i, j, weight = i[some], j[some], weight[some]
+    near = np.searchsorted(np.sqrt(of.omega[1:] * of.omega[:-1]), apart[some])
+    X, z, wrench = ((lines[place].T * height).T for lines in (response.X, response.Z, response.wrench))
+    rate = -1j * omega[:, None]
     still = sum(rate**k * (X @ W.reshape(-1, X.shape[1]).T) for k, W in enumerate(model.wrench))
-    W, s, turns = wrench.reshape(len(z), -1) - still, _states(case.waves[of.place], z), _turning(resting).levers
+    W, s, turns = wrench.reshape(len(z), -1) - still, _states(omega, z), _turning(resting).levers
     b = np.tensordot(turns.reshape(len(turns), -1, len(turns)), z, (0, 1)).transpose(1, 2, 0)  # (nz, m, 6nb)
     lever = b @ W.conj().T
     load = 0.5 * (lever + lever.conj().swapaxes(1, 2) + s @ _curvature(resting) @ s.conj().T)[:, i, j]
     force, free = model.shape.T @ load, _free(case)
     force -= (np.linalg.solve(free @ model.mass @ free.T, free @ model.mass)).T @ (free @ force)
     moved = np.linalg.inv(of.Z - 1j * of.omega[:, None, None] * response.damping)
-    return np.asarray(0.5 * of.weight @ np.abs(moved[of.near] @ force.T[..., None])[..., 0] ** 2)
+    return np.asarray(0.5 * weight @ np.abs(moved[near] @ force.T[..., None])[..., 0] ** 2)
 
 
 def resonant(case: Case, response: Response) -> list[tuple[_Swinging, float]]:
