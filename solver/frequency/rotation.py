@@ -18,7 +18,7 @@ The linear model is about those at rest all the same. In Buan's representative s
 and 1.0 % more power about the shifted ones, and a march that preloads hold at rest on average has 2.6 and 2.2 % less
 than the linear model; by itself it has 0.3 and 1.3 % less. What else is of third order, levers averaged over their turn
 and motions at sums and differences of two frequencies, takes more than the shift gives; the shift without it would be
-worse than neither. How much all of it is: see harmonics.
+worse than neither. How much all of it is: see harmonics, and of what is slower than all waves `below_the_waves`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -177,8 +177,11 @@ def below_the_waves(case: Case, response: Response) -> np.ndarray:
     load = 0.5 * (lever + lever.conj().swapaxes(1, 2) + s @ _curvature(resting) @ s.conj().T)[:, i, j]
     force, free = model.shape.T @ load, _free(case)
     force -= (np.linalg.solve(free @ model.mass @ free.T, free @ model.mass)).T @ (free @ force)
-    moved = np.linalg.inv(of.Z - 1j * of.omega[:, None, None] * response.damping)
-    return np.asarray(0.5 * weight @ np.abs(moved[near] @ force.T[..., None])[..., 0] ** 2)
+    moved, variance = np.linalg.inv(of.Z - 1j * of.omega[:, None, None] * response.damping), np.zeros(len(force))
+    for k, H in enumerate(moved):
+        these = near == k
+        variance += np.abs(H @ force[:, these]) ** 2 @ weight[these] / 2
+    return variance
 
 
 def resonant(case: Case, response: Response) -> list[tuple[_Swinging, float]]:
