@@ -103,7 +103,8 @@ class Slow(NamedTuple):
     """What two waves do not tell."""
 
     shapes: np.ndarray  # (m, n) of resonances below the waves, or of no stiffness
-    variance: np.ndarray  # (n,) of what all differences of frequencies below the waves move
+    variance: np.ndarray  # (n,) of motions below the waves
+    all_of_it: bool  # whether all differences of frequencies are in that, or resonances alone
     compression: np.ndarray  # (legs,) std of `bottom_stress` [Pa], which no line has
 
 
@@ -138,7 +139,7 @@ def turning_effect(
             force, borne = case.channels.hinge_force, (response.wrench[place].T * height).T
             told, usual, exact = force(response.wrench), force(lattice.first(borne)), force(wrench)
             error = max(
-                _of_motions(case, law, waves, response, linear, X, slow.variance),
+                _of_motions(case, law, waves, response, linear, X, slow),
                 _of_forces(case, waves, told, usual, exact),
                 *_of_frame(case, waves, frame, (frame.lines[place].T * height).T, X - linear, slow.compression),
             )
@@ -213,19 +214,16 @@ def _grown(waves: _Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray
 
 
 def _of_motions(
-    case: Case, law: JointLaw, waves: _Waves, response: Response, linear: np.ndarray, X: np.ndarray, slow: np.ndarray
+    case: Case, law: JointLaw, waves: _Waves, response: Response, linear: np.ndarray, X: np.ndarray, slow: Slow
 ) -> float:
-    """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed.
-
-    slow (n,): variance of what is below the waves.
-    """
+    """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed."""
     rate = waves.omega[:, None]
     square, of_rate = (np.sum(np.abs(x) ** 2, axis=0) for x in (response.X, response.omega[:, None] * response.X))
     size = case.model.length * np.sqrt(square)
     used = size > FAINT * size.max(initial=0.0)
     takes = used & absorbs(case.system, law)
-    below = np.abs(waves.omega) < case.waves.min()
-    grown = _grown(waves, square, linear, np.where(below[:, None], 0.0, X)) + 2 * slow
+    told = (np.abs(waves.omega) < case.waves.min()) & slow.all_of_it
+    grown = _grown(waves, square, linear, np.where(told[:, None], 0.0, X)) + 2 * slow.variance
     std = np.sqrt(grown[used] / square[used])
     power = _grown(waves, of_rate, rate * linear, rate * X)[takes] / of_rate[takes]
     return float(np.abs(np.concatenate([std, power]) - 1).max(initial=0.0))

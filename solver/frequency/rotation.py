@@ -44,6 +44,7 @@ from solver.statistics import STATISTICS
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
 ROUNDING = 1e-12  # of the largest variance
+CURVED = 48  # coordinates of floats: the memory that curvatures of more take goes with their cube
 MANY, BINS = 40, 12  # waves that stand for all of a sea, and frequencies for their differences
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
 
@@ -115,8 +116,10 @@ def rotation_effect(
     compression = told["bottom_stress"][..., STATISTICS.index("std")] if "bottom_stress" in told else np.zeros(0)
     swinging = resonant(case, response)
     shapes = np.array([*_free(case), *(of.shape for of, _ in swinging)]).reshape(-1, len(case.model.mass))
-    slow = slow_motions(case, response, swinging) ** 2 + below_the_waves(case, response)
-    return turning_effect(case, law, response, frame, angles, Slow(shapes, slow, compression))
+    slow, all_of_it = slow_motions(case, response, swinging) ** 2, angles.size <= CURVED
+    if all_of_it:
+        slow += below_the_waves(case, response)
+    return turning_effect(case, law, response, frame, angles, Slow(shapes, slow, all_of_it, compression))
 
 
 def _free(case: Case) -> np.ndarray:

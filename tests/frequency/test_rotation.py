@@ -319,6 +319,13 @@ def test_what_heavy_dampers_let_creep_below_the_waves_is_told(times):
     assert 0.5 < seen / told < 2.5
 
 
+def test_of_many_floats_two_waves_tell_of_differences_too(monkeypatch):
+    item, h = swinging("ring_on_a_spar", 0.04, lambda item: item)
+    told = simulate(item, h).attrs["rotation_effect"]
+    monkeypatch.setattr(rotation, "CURVED", 3)
+    assert simulate(item, h).attrs["rotation_effect"] == approx(told, rel=0.3) and told > 0.01
+
+
 def test_what_only_slides_has_none():
     """A buoy on a soft spring below the waves."""
     item, h = SCENES["soft_mooring"]()
