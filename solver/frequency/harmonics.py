@@ -38,7 +38,8 @@ from solver.statistics import FAINT
 
 STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
 ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
-AGREED = 0.02  # last change of the harmonics, of what turning changes of them
+GROWS = 3.0  # times the last change, which no more rounds make agree
+AGREED = 0.05  # last change of the harmonics, of what turning changes of them
 
 
 class _Lattice(NamedTuple):
@@ -120,19 +121,21 @@ def turning_effect(
     lattice, omega, length = waves.lattice, waves.omega, case.model.length
     linear = lattice.first((response.X[place].T * height).T)
     Z = case.model.assembled(omega, waves.against) - 1j * omega[:, None, None] * response.damping
+    mobility = np.linalg.inv(Z[1:])
     below, inertia = np.flatnonzero(np.abs(omega) < case.waves.min())[1:], slow.shapes @ case.model.mass
     moving = np.linalg.solve(inertia @ slow.shapes.T, inertia)
-    X = linear
+    X, last = linear, np.inf
     for _ in range(ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
             more, wrench = _beyond(case, waves, X)
         more[below] -= more[below] @ slow.shapes.T @ moving
         before, X = X, linear.copy()
         X[0] += case.shift(more[0].real)
-        X[1:] += np.linalg.solve(Z[1:], more[1:, :, None])[..., 0]
+        X[1:] += (mobility @ more[1:, :, None])[..., 0]
         change, whole = (np.abs(x * length).max() for x in (X - before, X - linear))
-        if not np.isfinite(change):
+        if not change < GROWS * last:
             break
+        last = change
         if change <= AGREED * whole:
             # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
             wrench = case.model.loads(omega, X - before, waves.Y, wrench, case.system.bodies.active)

@@ -226,7 +226,7 @@ def test_what_two_waves_show_is_that_of_seven_with_more_of_it():
 
 
 def test_that_turning_skews_forces_is_told():
-    for angle, told in ((0.1, True), (0.01, False)):
+    for angle, told in ((0.06, True), (0.01, False)):
         item, h = swinging("steep_arm", angle, lambda item: item)
         text = simulate(item, h).attrs.get("warnings", "")
         assert ("arms turn, and forces of joints are not Gaussian" in text) is told
