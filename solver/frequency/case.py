@@ -186,6 +186,12 @@ class Case:
         """Y (nl, na, na) of what radiates."""
         return self._impedance(self.hydrodynamics)
 
+    def impedance_at(self, omega: np.ndarray) -> np.ndarray:
+        """The same (nw, na, na) at any ω from 0 on; nothing without coefficients."""
+        if self.hydrodynamics is None:
+            return np.zeros((omega.size, *2 * (len(self.model.active),)))
+        return impedance_anywhere(self.system, self.hydrodynamics, omega)
+
     def _impedance(self, h: Hydrodynamics | None) -> np.ndarray:
         """By other coefficients."""
         if h is None:

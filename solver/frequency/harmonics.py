@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.equilibrium import balance
-from solver.coupled.linear import impedance_anywhere, jacobian, jacobians
+from solver.coupled.linear import jacobian, jacobians
 from solver.frequency import gaussian
 from solver.frequency.case import Case
 from solver.frequency.drag_effect import Effect
@@ -99,11 +99,15 @@ class _Standing(NamedTuple):
     height: np.ndarray  # (nw,) how many times as high
     several: float  # equal waves whose squares scatter as those of all
 
+    def lines(self, each: np.ndarray) -> np.ndarray:
+        """Theirs (nw, …) of those of all waves."""
+        return (each[self.place].T * self.height).T
+
 
 class Slow(NamedTuple):
     """What two waves do not tell."""
 
-    shapes: np.ndarray  # (m, n) of resonances below the waves, or of no stiffness
+    others: np.ndarray  # (n, n) leaves of loads what moves no resonance below the waves and nothing without stiffness
     variance: np.ndarray  # (n,) of motions below the waves
     all_of_it: bool  # whether all differences of frequencies are in that, or resonances alone
     compression: np.ndarray  # (legs,) std of `bottom_stress` [Pa], which no line has
@@ -117,18 +121,17 @@ def turning_effect(
     angles (nz,): which of the floats' coordinates turn one.
     """
     standing = _standing(case, response, angles)
-    waves, (place, height, _) = _waves(case, standing), standing
+    waves = _waves(case, standing)
     lattice, omega, length = waves.lattice, waves.omega, case.model.length
-    linear = lattice.first((response.X[place].T * height).T)
+    linear = lattice.first(standing.lines(response.X))
     Z = case.model.assembled(omega, waves.against) - 1j * omega[:, None, None] * response.damping
     mobility = np.linalg.inv(Z[1:])
-    below, inertia = np.flatnonzero(np.abs(omega) < case.waves.min())[1:], slow.shapes @ case.model.mass
-    moving = np.linalg.solve(inertia @ slow.shapes.T, inertia)
+    below = np.flatnonzero(np.abs(omega) < case.waves.min())[1:]
     X, last = linear, np.inf
     for _ in range(ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
             more, wrench = _beyond(case, waves, X)
-        more[below] -= more[below] @ slow.shapes.T @ moving
+        more[below] = more[below] @ slow.others
         before, X = X, linear.copy()
         X[0] += case.shift(more[0].real)
         X[1:] += (mobility @ more[1:, :, None])[..., 0]
@@ -139,12 +142,12 @@ def turning_effect(
         if change <= AGREED * whole:
             # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
             wrench = case.model.loads(omega, X - before, waves.Y, wrench, case.system.bodies.active)
-            force, borne = case.channels.hinge_force, (response.wrench[place].T * height).T
-            told, usual, exact = force(response.wrench), force(lattice.first(borne)), force(wrench)
+            borne = response.wrench, lattice.first(standing.lines(response.wrench)), wrench
+            told, usual, exact = map(case.channels.hinge_force, borne)
             error = max(
                 _of_motions(case, law, waves, response, linear, X, slow),
                 _of_forces(case, waves, told, usual, exact),
-                *_of_frame(case, waves, frame, (frame.lines[place].T * height).T, X - linear, slow.compression),
+                *_of_frame(case, waves, frame, standing.lines(frame.lines), X - linear, slow.compression),
             )
             each = (lines.reshape(len(lines), -1) for lines in (told, usual, exact))
             return Effect(error, _extremes(case, waves, standing, *each))
@@ -187,19 +190,17 @@ def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:
 
 
 def _waves(case: Case, of: _Standing) -> _Waves:
-    lattice, h = (ONE, TWO)[len(of.place) - 1], case.hydrodynamics
+    lattice = (ONE, TWO)[len(of.place) - 1]
     omega = lattice.sums @ case.waves[of.place]
     slowest = STILL * case.waves.min()  # a shape may have no stiffness
     omega[1:] = np.where(np.abs(omega[1:]) < slowest, slowest, omega[1:])
-    Y = np.zeros((omega.size, *case.impedance.shape[1:]), complex)
-    if h is not None:
-        Y[1:] = impedance_anywhere(case.system, h, np.abs(omega[1:]))
-        Y[omega < 0] = Y[omega < 0].conj()
+    Y = case.impedance_at(np.abs(omega))
+    Y[omega < 0] = Y[omega < 0].conj()
     n, waves = of.several, len(of.place)
     more = np.full(omega.size, (1 - 0.5 / n) / (1 - 0.5 / waves))
     if waves > 1:
         more[lattice.sums.any(axis=1) & (lattice.sums.sum(axis=1) == 0)] = (1 - 1 / n) / (1 - 1 / waves)
-    excitation = lattice.first((case.excitation[of.place].T * of.height).T)
+    excitation = lattice.first(of.lines(case.excitation))
     at_rest = jacobian(case.system.resting.value[0], case.system.resting.value[2])
     force = excitation.reshape(omega.size, -1) @ at_rest.reshape(-1, at_rest.shape[-1])
     return _Waves(lattice, more, omega, Y, excitation, force, case.model.of_floats(omega, Y))

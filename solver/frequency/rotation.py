@@ -30,7 +30,7 @@ import numpy as np
 
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import KNOWN as MODELS
-from solver.coupled.linear import impedance_anywhere, jacobian
+from solver.coupled.linear import jacobian
 from solver.coupled.system import Resting, known_differences
 from solver.frequency.case import KNOWN, NARROW, Case
 from solver.frequency.drag_effect import Effect
@@ -63,7 +63,6 @@ class _Swinging(NamedTuple):
     shape: np.ndarray  # φ (n,)
     radiated: float  # part of B
     levers: np.ndarray  # ∂ᵢJ φ (6nb, nz)
-    still: np.ndarray  # of the loads in still water on these (3, n, nz), by x, ẋ and ẍ
     curvature: np.ndarray  # (3nz, 3nz)
     pairs: np.ndarray  # (2, np)
     band: np.ndarray  # g (np,) [s/rad] of each
@@ -115,16 +114,19 @@ def rotation_effect(
         return Effect(0.0, 1.0)
     compression = told["bottom_stress"][..., STATISTICS.index("std")] if "bottom_stress" in told else np.zeros(0)
     swinging = resonant(case, response)
-    shapes = np.array([*_free(case), *(of.shape for of, _ in swinging)]).reshape(-1, len(case.model.mass))
     slow, all_of_it = slow_motions(case, response, swinging) ** 2, angles.size <= CURVED
     if all_of_it:
         slow += below_the_waves(case, response)
-    return turning_effect(case, law, response, frame, angles, Slow(shapes, slow, all_of_it, compression))
+    others = _others(case, (of.shape for of, _ in swinging))
+    return turning_effect(case, law, response, frame, angles, Slow(others, slow, all_of_it, compression))
 
 
-def _free(case: Case) -> np.ndarray:
-    """Shapes (m, n) that nothing holds."""
-    return np.asarray(case.modes.shapes[:, case.modes.omega == 0].T)
+def _others(case: Case, shapes: Iterable[np.ndarray] = ()) -> np.ndarray:
+    """(n, n) by which loads (…, n) keep what moves neither shapes (n,) nor those that nothing holds."""
+    mass = case.model.mass
+    moved = np.array([*case.modes.shapes[:, case.modes.omega == 0].T, *shapes]).reshape(-1, len(mass))
+    inertia = moved @ mass
+    return np.asarray(np.eye(len(mass)) - moved.T @ np.linalg.solve(inertia @ moved.T, inertia))
 
 
 class _Slowly(NamedTuple):
@@ -140,10 +142,8 @@ def _slowly(case: Case) -> _Slowly:
     omega, model = case.waves, case.model
     width = float(np.ptp(omega) / min(MANY, omega.size))
     at = np.geomspace(min(width / 3, omega.min()) or omega.min(), omega.min(), BINS)
-    Y = np.zeros((BINS, *2 * (len(model.active),)))
-    if case.hydrodynamics is not None:
-        Y = impedance_anywhere(case.system, case.hydrodynamics, at)
-    return _Slowly(at, model.dynamic_stiffness(at, Y) - 2j * width * at[:, None, None] * model.mass, width)
+    Z = model.dynamic_stiffness(at, case.impedance_at(at))
+    return _Slowly(at, Z - 2j * width * at[:, None, None] * model.mass, width)
 
 
 def below_the_waves(case: Case, response: Response) -> np.ndarray:
@@ -172,14 +172,11 @@ def below_the_waves(case: Case, response: Response) -> np.ndarray:
     i, j, weight = i[some], j[some], weight[some]
     near = np.searchsorted(np.sqrt(of.omega[1:] * of.omega[:-1]), apart[some])
     X, z, wrench = ((lines[place].T * height).T for lines in (response.X, response.Z, response.wrench))
-    rate = -1j * omega[:, None]
-    still = sum(rate**k * (X @ W.reshape(-1, X.shape[1]).T) for k, W in enumerate(model.wrench))
-    W, s, turns = wrench.reshape(len(z), -1) - still, _states(omega, z), _turning(resting).levers
+    W, s, turns = _added(case, omega, X, wrench), _states(omega, z), _turning(resting).levers
     b = np.tensordot(turns.reshape(len(turns), -1, len(turns)), z, (0, 1)).transpose(1, 2, 0)  # (nz, m, 6nb)
     lever = b @ W.conj().T
     load = 0.5 * (lever + lever.conj().swapaxes(1, 2) + s @ _curvature(resting) @ s.conj().T)[:, i, j]
-    force, free = model.shape.T @ load, _free(case)
-    force -= (np.linalg.solve(free @ model.mass @ free.T, free @ model.mass)).T @ (free @ force)
+    force = _others(case).T @ (model.shape.T @ load)
     moved, variance = np.linalg.inv(of.Z - 1j * of.omega[:, None, None] * response.damping), np.zeros(len(force))
     for k, H in enumerate(moved):
         these = near == k
@@ -200,20 +197,26 @@ def resonant(case: Case, response: Response) -> list[tuple[_Swinging, float]]:
 def slow_motions(case: Case, response: Response, swinging: Iterable[tuple[_Swinging, float]]) -> np.ndarray:
     """Their std (n,) of the linear model's coordinates [m, rad, ...]."""
     waves, variance = case.waves.size, np.zeros(len(case.model.mass))
+    added = _added(case, case.waves, response.X[:waves], response.wrench[:waves])
     for of, B in swinging:
-        S = _spectrum(of, case.waves, response.X[:waves], response.Z[:waves], response.wrench[:waves])
+        S = _spectrum(of, case.waves, response.Z[:waves], added)
         variance += np.pi * S / (2 * B * of.omega**2) * of.shape**2
     return np.sqrt(variance)
 
 
-def _spectrum(of: _Swinging, omega: np.ndarray, X: np.ndarray, z: np.ndarray, wrench: np.ndarray) -> float:
+def _added(case: Case, omega: np.ndarray, X: np.ndarray, wrench: np.ndarray) -> np.ndarray:
+    """W' (nl, 6nb): loads (nl, nb, 6) at lines omega (nl,) less those in still water by motions X (nl, n)."""
+    rate = -1j * omega[:, None]
+    still = sum(rate**k * (X @ W.reshape(-1, X.shape[1]).T) for k, W in enumerate(case.model.wrench))
+    return np.asarray(wrench.reshape(len(X), -1) - still)
+
+
+def _spectrum(of: _Swinging, omega: np.ndarray, z: np.ndarray, added: np.ndarray) -> float:
     """S of its load at its own frequency, one-sided: ½ Σ |f|² g over the pairs of waves omega (nw,),
 
-    f = ½ (z⋆b + b⋆z + s⋆Hs) of two waves' z, s and b = W' on levers, the second ones conjugate.
+    f = ½ (z⋆b + b⋆z + s⋆Hs) of two waves' z, s and b = W' on levers, the second ones conjugate. added: W' (nw, 6nb).
     """
-    rate = -1j * omega[:, None]
-    borne = wrench.reshape(len(z), -1) @ of.levers - sum(rate**k * (X @ still) for k, still in enumerate(of.still))
-    states = _states(omega, z)
+    borne, states = added @ of.levers, _states(omega, z)
     first = np.concatenate([z, borne, states @ of.curvature], axis=1)[of.pairs[0]]
     second = np.concatenate([borne, z, states], axis=1)[of.pairs[1]]
     f = 0.5 * np.einsum("pi,pi->p", first, second.conj())
@@ -238,14 +241,13 @@ def _swinging(case: Case) -> tuple[_Swinging, ...]:
     for own, shape, radiated in zip(shapes.omega, shapes.shapes, shapes.radiated, strict=True):
         along = model.shape @ shape
         levers = (turns @ along).reshape(along.size, -1).T
-        still = np.moveaxis(model.wrench.reshape(3, len(levers), -1), 1, 2) @ levers
         begin, end = np.searchsorted(omega[order], [omega + own - REACH * width, omega + own + REACH * width])
         higher = order[np.concatenate([np.arange(*ends) for ends in zip(begin, end, strict=True)])]
         pairs = np.stack([higher, np.repeat(np.arange(omega.size), end - begin)])
         off = (np.subtract(*omega[pairs]) - own) / width
         band = np.exp(-0.5 * off**2) / (width * np.sqrt(2 * np.pi))
         curvature = np.tensordot(along, curves, 1)
-        found.append(_Swinging(own, shape, radiated, levers, still, curvature, pairs, band))
+        found.append(_Swinging(own, shape, radiated, levers, curvature, pairs, band))
     return tuple(found)
 
 

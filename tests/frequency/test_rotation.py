@@ -346,7 +346,7 @@ def test_the_load_of_two_waves_is_what_the_assembled_loads_make_of_their_motions
     X = 1e-3 * (rng.normal(size=(2, len(model.mass))) + 1j * rng.normal(size=(2, len(model.mass))))
     still = sum(np.einsum("wn,bdn->wbd", rate**k * X, slope) for k, slope in enumerate(model.wrench))
     alone = swinging._replace(pairs=np.array([[1], [0]]), band=np.ones(1))
-    told = rotation._spectrum(alone, case.waves, X, X @ model.shape.T, still)
+    told = rotation._spectrum(alone, case.waves, X @ model.shape.T, rotation._added(case, case.waves, X, still))
     t = np.arange(400) * 4 * np.pi / 400  # two turns of one wave and three of the other
     s = [(np.exp(np.outer(t, rate[:, 0])) @ (rate**k * X @ model.shape.T)).real for k in range(3)]
     z, body = case.system.equilibrium[0], case.system.bodies

@@ -92,12 +92,15 @@ def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
     each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
     e = np.array([np.cos(sea.heading), np.sin(sea.heading)])
     level = [i for i in (0, 1) if abs(e[i]) > ALONG]
-    tries = {"in heave": ([2], B[:, 2, 2], 4), "along the waves": (level, e @ B[:, :2, :2] @ e, 8)}
-    for way, (motions, damping, share) in tries.items():
+    tries = {
+        "in heave": ([2], X[:, 2:3], B[:, 2, 2], 4),
+        "along the waves": (level, X[:, :2], e @ B[:, :2, :2] @ e, 8),
+    }
+    for way, (motions, pushed, damping, share) in tries.items():
         judged = some & (damping > DAMPED * np.max(damping[some], initial=0.0))
         if not np.isin(motions, needed).all() or not judged.any():
             continue
-        force = np.sum(np.abs(X[:, [2] if motions == [2] else [0, 1]]) ** 2, axis=1)
+        force = np.sum(np.abs(pushed) ** 2, axis=1)
         ratio = float(np.median(damping[judged] / np.maximum(each * force / share, 1e-300)[judged]))
         if not 1 / ENERGY < ratio < ENERGY:
             text = f"damping {way} is {ratio:.3g} times what the wave force tells of the power radiated"
