@@ -16,7 +16,7 @@ from solver.errors import InputError, refuse
 from solver.hydrodynamics.bem import agreement
 from solver.hydrodynamics.bem.coefficients import DOFS, LACKING, PLANAR, Hydrodynamics, MeshError, symmetric
 from solver.hydrodynamics.bem.exerted import Floats
-from solver.hydrodynamics.bem.given import KEY, Given
+from solver.hydrodynamics.bem.given import KEY, Given, about
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths
 from solver.hydrodynamics.bem.radiated import infinite, require_damping, require_energy, require_together, word
@@ -62,16 +62,17 @@ def adopted(
     each = needed or [dofs] * len(hulls)
     refuse([*_water_problems(given, depth, density, gravity), *_form_problems(given, each, heading)])
     six, told = _complete(given, names, each, heading)
-    six = _about_own(six, centres if points is None else points, centres)
+    own = centres if points is None else points
+    six = _about_own(six, own, centres)
     moved = np.array([6 * b + k for b, those in enumerate(each) for k, dof in enumerate(DOFS) if dof in those], int)
     refuse(_radiation_problems(six, _scales(six, lengths), moved, names))
     omega = six.omega
     expected = froude_krylov(hulls, centres, DOFS, sea, omega)
-    floats = Floats(hulls, centres, tuple(names), sea)
+    floats = Floats(hulls, centres, own, tuple(names), sea)
     six, note = agreement.agreed(six, floats, expected)
     if waves:
         _require_covered(given, *waves)
-    six = _about(six, centres)
+    six = about(six, centres)
     doubt = agreement.require_moments(six, floats, expected)
     damping = require_damping(six, moved, names)
     require_energy(six, floats, moved)
@@ -90,7 +91,7 @@ def adopted(
     )
     # With A and B as lopsided as they are told: half of what is between their halves.
     other = replace(six, points=centres - doubt, added_mass_inf=added + unsure, radiation_damping=damping)
-    perhaps = _curves(_about(other, centres), expected, index, told)
+    perhaps = _curves(about(other, centres), expected, index, told)
     there = np.isin(index, moved)
     pushed = there | (told & (np.arange(told.size) % 6 < 3))[index]  # joints bear forces along what they hold
     judged = {name: np.outer(there, there) for name in curves} | {"diffraction": pushed}
@@ -248,27 +249,8 @@ def _about_own(six: Given, own: np.ndarray, centres: np.ndarray) -> Given:
     """With the floats' own points (nb, 3) [m] for those that a file does not tell; where it tells none, rotations and
     moments about `centres`, of which the own ones are as far wherever the file's body is."""
     if six.points is None or np.isnan(six.points).all():
-        return replace(_about(replace(six, points=own), centres), points=None)
+        return replace(about(replace(six, points=own), centres), points=None)
     return replace(six, points=np.where(np.isnan(six.points), own, six.points))
-
-
-def _about(six: Given, centres: np.ndarray) -> Given:
-    """Rotations and moments about `centres` (velocity v): the file's points move at v + ω × (point - centre)."""
-    if six.points is None or np.allclose(six.points, centres, rtol=0, atol=1e-9):
-        return six
-    T = np.eye(6 * len(centres))
-    for b, (x, y, z) in enumerate(six.points - centres):
-        T[6 * b : 6 * b + 3, 6 * b + 3 : 6 * b + 6] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
-    infinite = six.added_mass_inf
-    return replace(
-        six,
-        added_mass=T.T @ six.added_mass @ T,
-        radiation_damping=T.T @ six.radiation_damping @ T,
-        added_mass_inf=None if infinite is None else T.T @ infinite @ T,
-        excitation=six.excitation @ T,
-        froude_krylov=None if six.froude_krylov is None else six.froude_krylov @ T,
-        points=centres,
-    )
 
 
 def _scales(six: Given, lengths: np.ndarray) -> dict[str, np.ndarray]:

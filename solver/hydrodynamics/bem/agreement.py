@@ -8,8 +8,9 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS
-from solver.hydrodynamics.bem.exerted import Floats, arrival, in_long_waves, long_waves, passing
-from solver.hydrodynamics.bem.given import KEY, Given
+from solver.hydrodynamics.bem.exerted import Floats, arrival_at, felt, in_long_waves, long_waves, passing
+from solver.hydrodynamics.bem.given import KEY, Given, about
+from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.misfit import misfit
 
 PLACED = 0.045  # of the hull's size: how far off the point of moments may seem to be,
@@ -21,27 +22,40 @@ SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where 
 
 
 def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str]:
-    """The coefficients, moved to the float where they are one body's alone, and a note of it; InputError on a misfit.
+    """The coefficients, moved to the float where one body's alone fit better there, and a note of it; InputError on a
+    misfit.
 
     expected (nw, 6 nb): Froude-Krylov force on the hulls.
     """
     _require_stiffness(six, floats)
-    long = in_long_waves(six, floats, expected)
+    tries = [(six, "")]
+    if len(floats.hulls) == 1:
+        for x, y, _ in dict.fromkeys((tuple(floats.points[0]), tuple(floats.centres[0]))):
+            tries.append((_moved(six, floats.sea, x, y), f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"))
+    found, note = min(tries, key=lambda of: _misplaced(of[0], floats, expected))
+    long = in_long_waves(found, floats, expected)
     if not long.rows.any():
         return six, "no waves long against the hulls are among the frequencies: phases were not judged"
     if long.off > 1:
-        moved = _moved(six, floats)
-        if len(floats.hulls) > 1 or in_long_waves(moved, floats, expected).off > 1:
-            raise InputError(KEY, six.name, misfit(six, floats, expected))
-        x, y, _ = floats.centres[0]
-        return moved, f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"
-    return six, ""
+        raise InputError(KEY, six.name, misfit(six, floats, expected))
+    return found, note
 
 
-def _moved(six: Given, floats: Floats) -> Given:
-    """Coefficients of one body computed at x = y = 0, where it is: the wave comes later, and nothing else changes."""
-    (x, y, _), later = floats.centres[0], arrival(six, floats)
-    incident, points = six.froude_krylov, six.points
+def _misplaced(six: Given, floats: Floats, expected: np.ndarray) -> tuple[bool, float]:
+    """Whether forces in long waves are others, and from how far off [m] they are, by the phase and by moments about
+    points that a file tells."""
+    long, k = in_long_waves(six, floats, expected), floats.sea.wavenumbers(six.omega)
+    both = (long.told * long.fits.conj())[:, felt(long.fits)] if long.rows.any() else np.zeros((0, 1))
+    size = float(np.sum(k[long.rows, None] * np.abs(both)))
+    away = float(np.sum(np.abs(both.imag))) / size if size else 0.0
+    if six.points is not None:
+        away += max(float(np.linalg.norm(d)) for d, _ in _places(about(six, floats.centres), floats, expected))
+    return long.off > 1, away
+
+
+def _moved(six: Given, sea: Sea, x: float, y: float) -> Given:
+    """Coefficients of one body computed at x = y = 0, elsewhere: the wave comes later, and nothing else changes."""
+    incident, points, later = six.froude_krylov, six.points, arrival_at(six, sea, np.array([[x, y, 0.0]]))
     return replace(
         six,
         excitation=six.excitation * later,
@@ -53,27 +67,35 @@ def _moved(six: Given, floats: Floats) -> Given:
 def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> np.ndarray:
     """How far each point of moments (nb, 3) [m] may be from the one told; refused where right files show no such place.
 
-    A Froude-Krylov force, where it is told, is held against that on the hull and shows the point, else long waves do.
+    Long waves show it, and a Froude-Krylov force, where it is told, better: that is held against the hull's, too.
     """
-    doubt = np.zeros((len(floats.names), 3))
-    if six.froude_krylov is None:
-        exerted = expected + passing(six, floats)
-        places = [_place(six, floats, expected, exerted, b) for b in range(len(doubt))]
-    else:
+    doubt, told = np.zeros((len(floats.names), 3)), _places(six, floats, expected)
+    if six.froude_krylov is not None:
         _require_incident(six, floats, expected)
-        places = [_incident_place(six.froude_krylov[:, 0], floats, expected, six.omega, b) for b in range(len(doubt))]
-    for b, (away, may) in enumerate(places):
-        if (off := float(np.linalg.norm(away))) > may:
-            text = f"wave moments on {floats.names[b]} are as about a point {off:.2g} m or more from the one told"
-            raise InputError(KEY, six.name, f"{text}; do moments refer to another point, or lengths have another unit?")
+        of_incident = [
+            _incident_place(six.froude_krylov[:, 0], floats, expected, six.omega, b) for b in range(len(doubt))
+        ]
+        _require_near(six, floats, told)
+        told = of_incident
+    _require_near(six, floats, told)
+    for b, (away, may) in enumerate(told):
+        off = np.linalg.norm(away)
         doubt[b] = away * max(0.0, 1 - PLAIN * may / off) if off else 0.0
     return doubt
+
+
+def _require_near(six: Given, floats: Floats, places: list[tuple[np.ndarray, float]]) -> None:
+    """Refuse moments about points that are not the ones told."""
+    for name, (away, may) in zip(floats.names, places, strict=True):
+        if (off := float(np.linalg.norm(away))) > may:
+            text = f"wave moments on {name} are as about a point {off:.2g} m or more from the one told"
+            raise InputError(KEY, six.name, f"{text}; do moments refer to another point, or lengths have another unit?")
 
 
 def _require_incident(six: Given, floats: Floats, expected: np.ndarray) -> None:
     """Refuse a Froude-Krylov force or moment in long waves that is not that on the hull."""
     assert six.froude_krylov is not None
-    hulls, _, names, sea = floats
+    hulls, names, sea = floats.hulls, floats.names, floats.sea
     radius = np.array([h.largest_radius for h in hulls])
     long = long_waves(sea.wavenumbers(six.omega) * radius.max())
     if not long.any():
@@ -89,6 +111,12 @@ def _require_incident(six: Given, floats: Floats, expected: np.ndarray) -> None:
         text += f" {abs(told[i, b, d] * unit[b, d]):.4g}, on its hull {abs(ours[i, b, d] * unit[b, d]):.4g}"
         point = "; do moments refer to another point?" if d >= 3 else "; another hull, or other units?"
         raise InputError(KEY, six.name, text + point)
+
+
+def _places(six: Given, floats: Floats, expected: np.ndarray) -> list[tuple[np.ndarray, float]]:
+    """Of each body, see `_place`."""
+    exerted = expected + passing(six, floats)
+    return [_place(six, floats, expected, exerted, b) for b in range(len(floats.names))]
 
 
 def _place(six: Given, floats: Floats, expected: np.ndarray, exerted: np.ndarray, b: int) -> tuple[np.ndarray, float]:

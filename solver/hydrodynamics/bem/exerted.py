@@ -27,7 +27,8 @@ class Floats(NamedTuple):
     """What the coefficients are said to be of."""
 
     hulls: tuple[Hull, ...]
-    centres: np.ndarray  # (nb, 3) [m]
+    centres: np.ndarray  # (nb, 3) [m] where diffraction and radiation are loads
+    points: np.ndarray  # (nb, 3) [m] the floats' own reference points
     names: tuple[str, ...]
     sea: Sea
 
@@ -61,9 +62,14 @@ def passing(six: Given, floats: Floats) -> np.ndarray:
 
 def arrival(six: Given, floats: Floats) -> np.ndarray:
     """The wave at the place of each column's float (nw, 1, 6 nb), over that at x = y = 0: it comes later there."""
-    x, y, _ = floats.centres.T
-    way = x * np.cos(floats.sea.heading) + y * np.sin(floats.sea.heading)
-    phase = np.multiply.outer(floats.sea.wavenumbers(six.omega), np.repeat(way, 6))
+    return arrival_at(six, floats.sea, floats.points)
+
+
+def arrival_at(six: Given, sea: Sea, places: np.ndarray) -> np.ndarray:
+    """The same at places (nb, 3) [m] of bodies."""
+    x, y, _ = places.T
+    way = x * np.cos(sea.heading) + y * np.sin(sea.heading)
+    phase = np.multiply.outer(sea.wavenumbers(six.omega), np.repeat(way, 6))
     return np.asarray(np.exp(1j * phase)[:, None])
 
 

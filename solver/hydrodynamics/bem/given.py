@@ -55,3 +55,22 @@ def turned(given: Given, angles: np.ndarray) -> Given:
         froude_krylov=None if incident is None else incident @ T.T,
         stiffness=None if given.stiffness is None else T @ given.stiffness @ T.T,
     )
+
+
+def about(six: Given, centres: np.ndarray) -> Given:
+    """Rotations and moments about `centres` (velocity v): the file's points move at v + ω × (point - centre)."""
+    if six.points is None or np.allclose(six.points, centres, rtol=0, atol=1e-9):
+        return six
+    T = np.eye(6 * len(centres))
+    for b, (x, y, z) in enumerate(six.points - centres):
+        T[6 * b : 6 * b + 3, 6 * b + 3 : 6 * b + 6] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
+    infinite = six.added_mass_inf
+    return replace(
+        six,
+        added_mass=T.T @ six.added_mass @ T,
+        radiation_damping=T.T @ six.radiation_damping @ T,
+        added_mass_inf=None if infinite is None else T.T @ infinite @ T,
+        excitation=six.excitation @ T,
+        froude_krylov=None if six.froude_krylov is None else six.froude_krylov @ T,
+        points=centres,
+    )

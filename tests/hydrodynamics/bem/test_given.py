@@ -407,7 +407,7 @@ def test_the_force_of_long_waves_tells_of_damping(dofs, way, angle):
     """As few frequencies as they are, of any hull, turned in plan."""
     h = first(boxy(), 8)
     sea = Sea(**SEA | {"heading": SEA["heading"] + angle})
-    floats = Floats(BOX["hulls"], BOX["centres"], BOX["names"], sea)
+    floats = Floats(BOX["hulls"], BOX["centres"], BOX["centres"], BOX["names"], sea)
     given = turned(told(h), np.array([angle]))
     radiated.require_energy(given, floats, np.array(dofs))
     for factor in (0.7, 1.4):
@@ -429,7 +429,7 @@ def test_a_long_hull_turned_in_plan_keeps_its_damping():
     X[:, 0, :2], B[:, :2, :2] = 1e3 * D[0], 1e6 / 8 * each[:, None, None] * (D @ D)
     columns = tuple((0, dof) for dof in DOFS)
     given = told(first(boxy(), 8), omega=omega, radiation_damping=B, excitation=X, columns=columns)
-    floats = Floats(BOX["hulls"], BOX["centres"], BOX["names"], sea)
+    floats = Floats(BOX["hulls"], BOX["centres"], BOX["centres"], BOX["names"], sea)
     radiated.require_energy(given, floats, np.arange(6))
     with pytest.raises(InputError, match=r"along the waves is 1\.5 times"):
         radiated.require_energy(replace(given, radiation_damping=1.5 * B), floats, np.arange(6))
@@ -438,7 +438,7 @@ def test_a_long_hull_turned_in_plan_keeps_its_damping():
 def test_damping_between_bodies_is_that_of_the_waves_of_both():
     """In heave, in long waves; with the sign that forces have, of blocks that are told alike wrong in A and B."""
     given = told()
-    floats, heaves = Floats(HULLS, CENTRES, NAMES, Sea(**WATER)), np.array([2, 8])
+    floats, heaves = Floats(HULLS, CENTRES, CENTRES, NAMES, Sea(**WATER)), np.array([2, 8])
     radiated.require_together(given, floats, heaves)
     turned_round = np.outer(*[np.repeat([1.0, -1.0], 6)] * 2)
     parts = ("added_mass", "radiation_damping", "added_mass_inf")
@@ -792,7 +792,7 @@ def incident(hull, count, z):
         columns=tuple((0, dof) for dof in DOFS),
     )  # fmt: skip
     at = np.zeros((1, 3))
-    return given, Floats((hull,), at, ("a",), DEEP), froude_krylov((hull,), at, DOFS, DEEP, omega)
+    return given, Floats((hull,), at, at, ("a",), DEEP), froude_krylov((hull,), at, DOFS, DEEP, omega)
 
 
 UNLIKE = {
@@ -829,7 +829,7 @@ def test_a_float_about_a_spar_with_a_plate_is_known(count):
     hulls, at = (ring(((3.4, -3.0), (10.0, -2.0), (10.0, 2.0), (3.4, 2.0))), spar), np.zeros((2, 3))
     omega, water = np.linspace(0.2, 0.7, count), {"depth": np.inf, "heading": 0.3}
     right = solve(hulls, at, **water, omega=omega, planar=False, panels=216)
-    floats = Floats(hulls, at, ("float", "spar"), Sea(density=1025.0, gravity=9.81, **water))
+    floats = Floats(hulls, at, at, ("float", "spar"), Sea(density=1025.0, gravity=9.81, **water))
     given = told(right, points=at)
     agreement.agreed(given, floats, right.froude_krylov)
     assert not agreement.require_moments(given, floats, right.froude_krylov).any()
@@ -846,7 +846,7 @@ def test_a_force_that_is_what_another_body_scatters_is_known(heading, dof):
     water = {"depth": np.inf, "heading": heading}
     omega = np.sqrt(WATER["gravity"] * np.linspace(0.06, 0.9, 6) / 4.0)
     right = solve(hulls, at, **water, omega=omega, planar=False, panels=108)
-    floats = Floats(hulls, at, NAMES, Sea(density=1025.0, gravity=9.81, **water))
+    floats = Floats(hulls, at, at, NAMES, Sea(density=1025.0, gravity=9.81, **water))
     given = told(right, points=at)
     agreement.agreed(given, floats, right.froude_krylov)
     for factor in (-1.0, 3.0):
