@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+from scipy.ndimage import maximum_filter1d
 
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.bem import agreement
@@ -28,7 +28,9 @@ LOPSIDED = 0.2  # of the largest entry's scale: more asymmetry is no error of a 
 ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
 FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
 PUSHED = 1e-3  # of the largest wave force along a float's axes: less along another is none
-SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do; less where all are close
+CURVES = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")
+SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do at least; 1/16 of smooth ones, but at ends
+BESIDE = 2  # frequencies on each side by which that is told
 
 
 def adopted(
@@ -136,19 +138,36 @@ def _curves(six: Given, expected: np.ndarray, index: np.ndarray, told: np.ndarra
 
 
 def _between(h: Hydrodynamics) -> MeshError:
-    """What the curves may be off between a file's frequencies, of which alone it tells; its mesh is not known."""
-    kept = np.unique(np.append(np.arange(0, len(h.omega), 2), len(h.omega) - 1))
-    left_out = np.setdiff1d(np.arange(len(h.omega)), kept)
-    curves = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")
-    half = replace(h, omega=h.omega[kept], **{name: getattr(h, name)[kept] for name in curves})
-    at = h.omega[left_out]
-    Z, X = half.impedance(at), half.excitation(at, "diffraction")
-    missed = {"added_mass": -Z.imag / at[:, None, None], "radiation_damping": Z.real, "diffraction": X}
+    """What the curves may be off between a file's frequencies, of which alone it tells; its mesh is not known.
+
+    Curves through every other one miss r₂, through every fourth r₄: those through all miss as much less than r₂ as that
+    is less than r₄, about each frequency. Of smooth ones it is SPACED of r₂; of a frequency that stands out, and of
+    waves between bodies that turn by more than half from one to the next, all of it.
+    """
     error = {"added_mass_inf": np.zeros_like(h.added_mass_inf)}
-    for name, value in missed.items():
-        away = SPACED * (getattr(h, name)[left_out] - value)
-        error[name] = make_interp_spline(at, away, k=1)(np.clip(h.omega, at[0], at[-1]))
+    second, fourth = _left_out(h, 2), _left_out(h, 4)
+    for name, missed in second.items():
+        size, before = (maximum_filter1d(np.abs(x), 2 * BESIDE + 1, axis=0) for x in (missed, fourth[name]))
+        share = np.divide(size, before, out=np.ones(size.shape), where=before > size)
+        error[name] = missed * np.maximum(share, SPACED)
     return MeshError(**error)
+
+
+def _left_out(h: Hydrodynamics, step: int) -> dict[str, np.ndarray]:
+    """What curves through every so many frequencies miss halfway between those, of each curve; 0 at both ends."""
+    whole, last = {name: getattr(h, name) for name in CURVES}, len(h.omega) - 1
+    missed = {name: np.zeros_like(value) for name, value in whole.items()}
+    for first in range(step):
+        some = np.unique([0, *range(first, last + 1, step), last])
+        at = np.setdiff1d(np.arange((first + step // 2) % step, last + 1, step), some)
+        fewer = replace(h, omega=h.omega[some], **{name: value[some] for name, value in whole.items()})
+        Z = fewer.impedance(h.omega[at])
+        seen = {"added_mass": -Z.imag / h.omega[at, None, None], "radiation_damping": Z.real}
+        for name in ("diffraction", "froude_krylov"):
+            seen[name] = fewer.excitation(h.omega[at], name)
+        for name, value in seen.items():
+            missed[name][at] = whole[name][at] - value
+    return {name: missed[name] for name in CURVES if name != "froude_krylov"}
 
 
 def _require_covered(given: Given, low: float, high: float) -> None:
