@@ -15,7 +15,8 @@ if TYPE_CHECKING:  # with the compiler, which takes 0.3 s to import: the command
 Matrix = tuple[tuple[float, ...], ...]
 STEP, TURN = 1e-5, 1e-4  # of a line's length [m], and angle [rad], of the differences that tell its stiffness
 SIX = 6  # rows of matrices of a point's motion
-SYMMETRIC = 1e-6  # relative difference of two entries that count as one
+SYMMETRIC = 1e-6  # relative difference of two entries that count as one,
+ROUNDING = 1e-12  # and how far apart they may be besides, relative to what is on the diagonal
 PASSIVE = 1e-9  # of a damping matrix scaled to a diagonal of 1: a lower eigenvalue than minus this is not rounding
 STRAINED = 0.05  # of a line at rest: chain and wire break before, and fibre is moored with less
 
@@ -173,7 +174,9 @@ def none(axes: int) -> AxisMooring:
 
 def _unsymmetric(matrix: np.ndarray) -> str:
     """Which pair of entries of a square matrix differs, as a limit; empty if none does."""
-    off = np.abs(matrix - matrix.T) > SYMMETRIC * (np.abs(matrix) + np.abs(matrix.T))
+    own = np.sqrt(np.abs(np.diagonal(matrix)))
+    rounding = ROUNDING * np.multiply.outer(own, own)
+    off = np.abs(matrix - matrix.T) > SYMMETRIC * (np.abs(matrix) + np.abs(matrix.T)) + rounding
     if not off.any():
         return ""
     i, j = (int(k) for k in np.argwhere(off)[0])

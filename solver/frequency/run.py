@@ -21,7 +21,7 @@ from solver.frequency.outputs import (
 from solver.frequency.response import Response, respond, respond_in
 from solver.frequency.rotation import rotation_effect, turned
 from solver.frequency.shape import beyond_rayleigh
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
 from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, skewed, stopped
@@ -95,6 +95,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *skewed(turning.extremes),
         *slipping,
         *above(scene, tables),
+        *unjudged(hydrodynamics),
         *doubted,
     ):
         attrs["warnings"] = "; ".join(notes)

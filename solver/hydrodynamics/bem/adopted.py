@@ -29,7 +29,9 @@ ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
 FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
 PUSHED = 1e-3  # of the largest wave force along a float's axes: less along another is none
 CURVES = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")
-SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do at least; 1/16 of smooth ones, but at ends
+SPACED = (
+    1 / 8
+)  # of what curves through every other frequency miss, those through all do at least; 1/16 of smooth ones, but at ends
 BESIDE = 2  # frequencies on each side by which that is told
 
 
@@ -71,7 +73,7 @@ def adopted(
     omega = six.omega
     expected = froude_krylov(hulls, centres, DOFS, sea, omega)
     floats = Floats(hulls, centres, own, tuple(names), sea)
-    six, note = agreement.agreed(six, floats, expected)
+    six, notes = agreement.agreed(six, floats, expected)
     if waves:
         _require_covered(given, *waves)
     six = about(six, centres)
@@ -88,7 +90,7 @@ def adopted(
         omega=omega,
         **curves,
         froude_krylov=expected[:, index],
-        settings=MappingProxyType({"method": f"from {given.name}", "note": note} | _lacking(expected, told)),
+        settings=MappingProxyType({"method": f"from {given.name}"} | notes | _lacking(expected, told)),
         **at_rest(hulls, centres, dofs, sea),
     )
     # With A and B as lopsided as they are told: half of what is between their halves.
@@ -198,9 +200,15 @@ def _form_problems(given: Given, needed: Sequence[Sequence[str]], heading: float
     if len(given.omega) < FEWEST or len(np.unique(given.omega)) < len(given.omega):
         limit = f"has {len(np.unique(given.omega))} different frequencies, needs {FEWEST} at least, each once"
         problems.append(_problem(given, limit))
-    arrays = (given.added_mass, given.radiation_damping, given.excitation, given.added_mass_inf)
-    if not all(np.all(np.isfinite(a)) for a in arrays if a is not None):
-        problems.append(_problem(given, "has numbers that are not finite"))
+    for name in ("added_mass", "radiation_damping", "excitation", "added_mass_inf"):
+        values = getattr(given, name)
+        if values is not None and not np.all(np.isfinite(values)):
+            index = np.argwhere(~np.isfinite(values))[0]
+            at = f" at {given.omega[index[0]]:.4g} rad/s" if name != "added_mass_inf" else ""
+            at += f", heading {given.headings[index[1]]:.4g} rad" if name == "excitation" else ""
+            what = {"excitation": "wave force", "added_mass_inf": "added mass at infinite frequency"}
+            limit = f"has numbers that are not finite: {what.get(name, name.replace('_', ' '))}{at}"
+            problems.append(_problem(given, limit))
     if not np.any(_same_heading(given, heading)):
         known = ", ".join(f"{h:.4g}" for h in given.headings)
         limit = f"must be one of {known} rad, those of {given.name}"

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.hydrodynamics.bem.coefficients import DOFS, UNJUDGED
 from solver.hydrodynamics.bem.exerted import Floats, arrival_at, felt, in_long_waves, long_waves, passing
 from solver.hydrodynamics.bem.given import KEY, Given, about
 from solver.hydrodynamics.bem.incident import Sea
@@ -21,9 +21,9 @@ THIN = 0.05  # of the largest force: along less nothing is told of the point
 SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where it is told
 
 
-def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str]:
-    """The coefficients, moved to the float where one body's alone fit better there, and a note of it; InputError on a
-    misfit.
+def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, dict[str, str]]:
+    """The coefficients, moved to the float where one body's alone fit better there, and what to note of
+    that; InputError on a misfit.
 
     expected (nw, 6 nb): Froude-Krylov force on the hulls.
     """
@@ -35,10 +35,10 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, str
     found, note = min(tries, key=lambda of: _misplaced(of[0], floats, expected))
     long = in_long_waves(found, floats, expected)
     if not long.rows.any():
-        return six, "no waves long against the hulls are among the frequencies: phases were not judged"
+        return six, {UNJUDGED: "no waves long against the hulls are among the frequencies: forces were not judged"}
     if long.off > 1:
         raise InputError(KEY, six.name, misfit(six, floats, expected))
-    return found, note
+    return found, {"note": note} if note else {}
 
 
 def _misplaced(six: Given, floats: Floats, expected: np.ndarray) -> tuple[bool, float]:
@@ -93,13 +93,12 @@ def _require_near(six: Given, floats: Floats, places: list[tuple[np.ndarray, flo
 
 
 def _require_incident(six: Given, floats: Floats, expected: np.ndarray) -> None:
-    """Refuse a Froude-Krylov force or moment in long waves that is not that on the hull."""
+    """Refuse a Froude-Krylov force or moment that is not that on the hull, in long waves or else the longest."""
     assert six.froude_krylov is not None
     hulls, names, sea = floats.hulls, floats.names, floats.sea
     radius = np.array([h.largest_radius for h in hulls])
     long = long_waves(sea.wavenumbers(six.omega) * radius.max())
-    if not long.any():
-        return
+    long[0] |= not long.any()
     unit = np.where(np.arange(6) < 3, 1.0, radius[:, None])
     told, ours = (f[long].reshape(-1, len(hulls), 6) / unit for f in (six.froude_krylov[:, 0], expected))
     there = np.abs(told).max(axis=0) > 0  # a file may lack motions

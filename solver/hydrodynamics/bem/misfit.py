@@ -12,6 +12,7 @@ from solver.hydrodynamics.bem.given import Given, turned
 
 IN_PHASE = 0.5  # cosine of the phase, force-weighted: of less some convention is another
 BETTER = 0.85  # of another convention that explains the difference
+DEPTHS = 24  # that are tried
 TURNS = 6  # rounds until angles agree with the added mass that they turn
 FEW = 5  # bodies whose orders are tried
 LEAST = 5.0  # degrees: of less a turn changes no force by more than it may be off
@@ -70,6 +71,18 @@ def _slips(six: Given, floats: Floats) -> Iterator[tuple[Given, Floats, str]]:
     yield _inverted(six), floats, "is as of frequencies where periods are needed"
     over = replace(six, added_mass=six.added_mass / rho, radiation_damping=six.radiation_damping / rho)
     yield over, floats, "is as of added mass and damping that were to be divided by density"
+    none = {"added_mass": 0 * six.added_mass, "radiation_damping": 0 * six.radiation_damping}
+    yield replace(six, **none), floats, "is the Froude-Krylov force alone: what is diffracted is missing"
+    scaled = replace(over, radiation_damping=over.radiation_damping / six.omega[:, None, None])
+    scaled = replace(scaled, excitation=six.excitation / (rho * floats.sea.gravity))
+    yield scaled, floats, "is as of numbers in SI units where a file's are over density and gravity"
+    for depth in _depths(six, floats):
+        elsewhere = floats._replace(sea=replace(floats.sea, depth=depth))
+        yield (
+            six,
+            elsewhere,
+            f"is as of water {f'some {depth:.2g} m deep' if np.isfinite(depth) else 'without a bottom'}",
+        )
     own = replace(six, excitation=six.excitation * arrival(six, floats))
     yield own, floats, "is as of phases that refer to a crest at each float's own place: at x = y = 0 is needed"
     clockwise = floats._replace(sea=replace(floats.sea, heading=-heading))
@@ -79,6 +92,15 @@ def _slips(six: Given, floats: Floats) -> Iterator[tuple[Given, Floats, str]]:
     yield _permuted(six, crossed), floats, "is as of surge and sway, one in the other's column: are roll and pitch too?"
     for other, text in _orders(six, floats.names):
         yield other, floats, text
+
+
+def _depths(six: Given, floats: Floats) -> list[float]:
+    """Of water that a file's may have been where it tells none."""
+    if six.depth is not None:
+        return []
+    deepest = 4 / floats.sea.wavenumbers(six.omega).min()
+    lowest = max(-float(h.surface_points()[0][:, 2].min()) for h in floats.hulls)
+    return [np.inf, *np.geomspace(1.1 * lowest, max(deepest, 2 * lowest), DEPTHS).tolist()]
 
 
 def _inverted(six: Given) -> Given:

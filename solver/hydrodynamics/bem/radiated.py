@@ -80,31 +80,32 @@ def _require_power(six: Given, A: np.ndarray, B: np.ndarray, share: Share, words
 
 
 def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
-    """Refuse a damping of motions `needed` that does not go with the wave force, of a body by itself.
+    """Refuse a damping of motions `needed` that does not go with the wave force; of several bodies, in long waves.
 
     Dipoles D of motions along x and y, symmetric, make X = De along e, and B of D² whatever the hull's own axes are.
     """
-    hull, sea = floats.hulls[0], floats.sea
-    if len(floats.hulls) > 1:
-        return
+    sea, hulls = floats.sea, floats.hulls
     k, B, X = sea.wavenumbers(six.omega), six.radiation_damping, six.excitation[:, 0]
-    some = np.ones(len(k), bool) if isinstance(hull, Revolution) else long_waves(k * hull.largest_radius)
+    round_one = len(hulls) == 1 and isinstance(hulls[0], Revolution)
+    some = np.ones(len(k), bool) if round_one else long_waves(k * max(h.largest_radius for h in hulls))
     each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
     e = np.array([np.cos(sea.heading), np.sin(sea.heading)])
-    level = [i for i in (0, 1) if abs(e[i]) > ALONG]
-    tries = {
-        "in heave": ([2], X[:, 2:3], B[:, 2, 2], 4),
-        "along the waves": (level, X[:, :2], e @ B[:, :2, :2] @ e, 8),
-    }
-    for way, (motions, pushed, damping, share) in tries.items():
-        judged = some & (damping > DAMPED * np.max(damping[some], initial=0.0))
-        if not np.isin(motions, needed).all() or not judged.any():
-            continue
-        force = np.sum(np.abs(pushed) ** 2, axis=1)
-        ratio = float(np.median(damping[judged] / np.maximum(each * force / share, 1e-300)[judged]))
-        if not 1 / ENERGY < ratio < ENERGY:
-            text = f"damping {way} is {ratio:.3g} times what the wave force tells of the power radiated"
-            raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
+    for b, name in enumerate(floats.names):
+        x = 6 * b
+        level = [x + i for i in (0, 1) if abs(e[i]) > ALONG]
+        tries = {
+            "in heave": ([x + 2], X[:, x + 2 : x + 3], B[:, x + 2, x + 2], 4),
+            "along the waves": (level, X[:, x : x + 2], e @ B[:, x : x + 2, x : x + 2] @ e, 8),
+        }
+        for way, (motions, pushed, damping, share) in tries.items():
+            judged = some & (damping > DAMPED * np.max(damping[some], initial=0.0))
+            if not np.isin(motions, needed).all() or not judged.any():
+                continue
+            force = np.sum(np.abs(pushed) ** 2, axis=1)
+            ratio = float(np.median(damping[judged] / np.maximum(each * force / share, 1e-300)[judged]))
+            if not 1 / ENERGY < ratio < ENERGY:
+                text = f"damping {way} of {name} is {ratio:.3g} times what the wave force tells of the power radiated"
+                raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
 
 
 def require_together(six: Given, floats: Floats, needed: np.ndarray) -> None:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from solver.errors import InputError
 from solver.hydrodynamics.bem import agreement, bem, radiated
 from solver.hydrodynamics.bem.adopted import _between, adopted
-from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.hydrodynamics.bem.coefficients import DOFS, unjudged
 from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import Given, turned
 from solver.hydrodynamics.bem.incident import Sea
@@ -94,7 +94,7 @@ def test_of_short_waves_alone_no_phase_is_judged_though_a_froude_krylov_force_is
     names = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")
     h = replace(h, omega=h.omega[short], error=None, memory=None, **{n: getattr(h, n)[short] for n in names})
     found = taken(told(h, froude_krylov=h.froude_krylov[:, None]))
-    assert "phases were not judged" in str(found.settings)
+    assert unjudged(found) == [f"coefficients: {found.settings['unjudged']}"]
     same(found, h)
 
 
@@ -361,7 +361,7 @@ def first(h, count):
         (
             np.r_[[1.0] * 10, [1.4] * 11][:, None, None],
             1.0,
-            "damping (in|along) .* is 0.5.* times what the wave force tells",
+            "damping (in|along) .* of .* is 0.5.* times what the wave force tells",
         ),
     ],
 )
@@ -639,6 +639,43 @@ def test_one_float_alone_is_moved_to_its_place():
     same(adopted(given, (hull,), at, ("rear",), **WATER, planar=False, points=at + off), there)
 
 
+def test_one_float_alone_is_moved_by_its_own_point_near_places_too():
+    """That the file's x = y = 0 is, not where its buoyancy is; whatever point moments are about."""
+    own = np.array([[0.0, 0.0, 0.0]])
+    away = np.array([[0.4, 0.0, 0.0]])
+    here = bem.solve((HULLS[1],), away, **WATER, omega=ours().omega[::2], planar=False, panels=108)
+    for step in ([0.3, 0.1, 0.0], [20.0, -7.0, 0.0]):
+        there = bem.solve((HULLS[1],), away + step, **WATER, omega=here.omega, planar=False, panels=108)
+        for points in (None, own):
+            given = replace(about(here, own), points=points, bodies=("",))
+            found = adopted(given, (HULLS[1],), away + step, ("rear",), **WATER, planar=False, points=own + step)
+            assert found.settings["note"] == f"computed at x = y = 0, moved to ({step[0]:g}, {step[1]:g}) m"
+            same(found, there)
+
+
+def test_what_a_file_leaves_out_or_takes_for_another_water_is_named():
+    h, k = ours(), ours().omega ** 2 / WATER["gravity"]
+    refused(told(excitation=h.froude_krylov[:, None]), match="is the Froude-Krylov force alone")
+    si = {"added_mass": 1025.0 * h.added_mass, "added_mass_inf": 1025.0 * h.added_mass_inf}
+    si["radiation_damping"] = 1025.0 * h.omega[:, None, None] * h.radiation_damping
+    refused(
+        told(**si, excitation=1025.0 * 9.81 * told().excitation), match="numbers in SI units where a file's are over"
+    )
+    shallow = {**WATER, "depth": 6.0}
+    low = bem.solve(HULLS, CENTRES, **shallow, omega=h.omega, planar=False, panels=108)
+    refused(told(low, depth=None), match="is as of water some 6.* m deep")
+    assert k.max() > 1  # where bottoms are not felt, either
+
+
+def test_damping_of_each_of_several_bodies_goes_with_its_wave_force():
+    """Ten per cent is an error of meshes, 40 are not; added mass along with it, so that causality has no objection."""
+    h, heave = ours(), np.ones(12)
+    heave[8] = np.sqrt(1.4)
+    both = np.outer(heave, heave)
+    scaled = {n: both * getattr(h, n) for n in ("added_mass", "radiation_damping", "added_mass_inf")}
+    refused(told(**scaled), match="damping in heave of rear is 1.4.* times what the wave force tells")
+
+
 def test_what_cannot_be_used_is_refused():
     refused(told(bodies=("one",)), match="has 1 bodies, the study has 2 floats")
     assert refused(told(density=1000.0), match="that of theirs.nc").key == "water.density"
@@ -649,7 +686,7 @@ def test_what_cannot_be_used_is_refused():
     refused(told(**few), match="has 4 different frequencies, needs 8")
     wrong = told().excitation.copy()
     wrong[0, 0, 0] = np.nan
-    refused(told(excitation=wrong), match="not finite")
+    refused(told(excitation=wrong), match="not finite: wave force at 0.6 rad/s, heading 0.3 rad")
     refused(told(first(alone(), 8), added_mass_inf=None), match="no added mass at infinite frequency", **ALONE, **SEA)
     assert refused(told(), match=r"must be within 0.6 to 6.6 rad/s", waves=(0.5, 2.0)).key == "band"
 
