@@ -71,8 +71,8 @@ def _slips(six: Given, floats: Floats) -> Iterator[tuple[Given, Floats, str]]:
     yield _inverted(six), floats, "is as of frequencies where periods are needed"
     over = replace(six, added_mass=six.added_mass / rho, radiation_damping=six.radiation_damping / rho)
     yield over, floats, "is as of added mass and damping that were to be divided by density"
-    none = {"added_mass": 0 * six.added_mass, "radiation_damping": 0 * six.radiation_damping}
-    yield replace(six, **none), floats, "is the Froude-Krylov force alone: what is diffracted is missing"
+    still = replace(six, added_mass=0 * six.added_mass, radiation_damping=0 * six.radiation_damping)
+    yield still, floats, "is the Froude-Krylov force alone: what is diffracted is missing"
     scaled = replace(over, radiation_damping=over.radiation_damping / six.omega[:, None, None])
     scaled = replace(scaled, excitation=six.excitation / (rho * floats.sea.gravity))
     yield scaled, floats, "is as of numbers in SI units where a file's are over density and gravity"

@@ -437,7 +437,7 @@ def test_the_force_of_long_waves_tells_of_damping(dofs, way, angle):
         wrong = given.radiation_damping.copy()
         wrong[:, dofs, dofs] *= factor
         wrong[:, dofs, dofs[::-1]] *= factor if len(dofs) > 1 else 1.0
-        with pytest.raises(InputError, match=f"damping {way} is {factor}.* times what the wave force tells"):
+        with pytest.raises(InputError, match=f"damping {way} of .* is {factor}.* times what the wave force tells"):
             radiated.require_energy(replace(given, radiation_damping=wrong), floats, np.array(dofs))
         radiated.require_energy(replace(given, radiation_damping=wrong), floats, np.array([3]))
 
@@ -454,7 +454,7 @@ def test_a_long_hull_turned_in_plan_keeps_its_damping():
     given = told(first(boxy(), 8), omega=omega, radiation_damping=B, excitation=X, columns=columns)
     floats = Floats(BOX["hulls"], BOX["centres"], BOX["centres"], BOX["names"], sea)
     radiated.require_energy(given, floats, np.arange(6))
-    with pytest.raises(InputError, match=r"along the waves is 1\.5 times"):
+    with pytest.raises(InputError, match=r"along the waves of boxy is 1\.5 times"):
         radiated.require_energy(replace(given, radiation_damping=1.5 * B), floats, np.arange(6))
 
 
@@ -654,7 +654,7 @@ def test_one_float_alone_is_moved_by_its_own_point_near_places_too():
 
 
 def test_what_a_file_leaves_out_or_takes_for_another_water_is_named():
-    h, k = ours(), ours().omega ** 2 / WATER["gravity"]
+    h = ours()
     refused(told(excitation=h.froude_krylov[:, None]), match="is the Froude-Krylov force alone")
     si = {"added_mass": 1025.0 * h.added_mass, "added_mass_inf": 1025.0 * h.added_mass_inf}
     si["radiation_damping"] = 1025.0 * h.omega[:, None, None] * h.radiation_damping
@@ -664,7 +664,6 @@ def test_what_a_file_leaves_out_or_takes_for_another_water_is_named():
     shallow = {**WATER, "depth": 6.0}
     low = bem.solve(HULLS, CENTRES, **shallow, omega=h.omega, planar=False, panels=108)
     refused(told(low, depth=None), match="is as of water some 6.* m deep")
-    assert k.max() > 1  # where bottoms are not felt, either
 
 
 def test_damping_of_each_of_several_bodies_goes_with_its_wave_force():
