@@ -16,6 +16,7 @@ LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
 ODD = 1e3  # times the mass, or a part of it: what a hull displaces has lengths in another unit
 TONNE, NEARLY = 1e3, 2.0  # [kg]; a mass in t is told by what is displaced within this factor of it
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
+ROUNDING = 1e-9  # of what is allowed: a load that is none
 OUT = "height out of the water"  # of a hull that is given under it
 FLUSH = 1e-3  # of its draft: a mesh that rises no higher is one of the wetted part alone, with a lid
 LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
@@ -41,7 +42,8 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
             if name not in DOFS[:3]:
                 what = "weight and of what it carries" if hung else "weight"
                 reasons.append(f"{name}: moment of {what} {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m")
-        reasons += _pulled(name, preload, pull - preload, pressed * (name == "heave"))
+        loads = preload, pull - preload, pressed * (name == "heave")
+        reasons += _pulled(name, *(load if abs(load) > ROUNDING * limit else 0.0 for load in loads))
     told = "; ".join([*([_weighed(item, hung, water)] if weighed else []), *reasons])
     if not told:
         return ()
@@ -66,7 +68,7 @@ def _weighed(item: Float, hung: Sequence[Float], water: Water) -> str:
     return "; ".join(told if borne else told[:1])
 
 
-def _pulled(name: str, preload: float, lines: float, pressed: float = 0.0) -> Iterator[str]:
+def _pulled(name: str, preload: float, lines: float, pressed: float) -> Iterator[str]:
     """Constant loads of a joint along an axis, beside weight and buoyancy; nothing where there are none."""
     loads = {"a preload": preload, "a pull of mooring or lines": lines, "preloads of what it carries": pressed}
     if told := [f"{word} of {load:.4g} {load_unit_along(name)}" for word, load in loads.items() if load]:
@@ -258,6 +260,6 @@ def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collec
 def _borne(item: Float, carried: float) -> str:
     """What the buoyancy bears beside the weight, that of the floats carried [N] first, and which lines are odd."""
     axes = zip(item.motion, item.per_axis("preload"), item.pulls, strict=True)
-    along = (_pulled(name, preload, pull - preload) for name, preload, pull in axes if name == "heave")
+    along = (_pulled(name, preload, pull - preload, 0.0) for name, preload, pull in axes if name == "heave")
     borne = [f"what the float carries, {carried:.4g} N"] * bool(carried) + [text for texts in along for text in texts]
     return "; ".join([" and ".join(borne), *odd_lines(item.lines, item.centre)])

@@ -19,6 +19,8 @@ STEEP = 1.2  # factor by which extremes may exceed those of Gaussian responses
 APART = 1.1  # factor by which extremes may miss those of Gaussian rates or forces; of power it is the square
 HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
 STRAYED = 0.5  # [rad] of the mean wave that it may go from where linear wave loads have their phases
+SHOVED = 0.1  # times the std of a motion: a mean that counts
+PULLED = 1e-6  # [N/kg] along it: less is none
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
@@ -252,6 +254,23 @@ def of_motions(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarra
     yield from met(scene, tables)
     yield from swung(scene, axes, tables)
     yield from strayed(scene, axes, tables)
+    yield from shoved(scene, axes, tables)
+
+
+def shoved(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for each horizontal axis along which waves alone keep a float, of body-nonlinear pressure, off."""
+    if "motion" not in tables or scene.current is not None or not scene.sea.amplitude.any():
+        return
+    mean, std = (tables["motion"][..., STATISTICS.index(name)] for name in ("mean", "std"))
+    for b, (f, nonlinear) in enumerate(zip(scene.floats, scene.nonlinear, strict=True)):
+        for axis, pull in zip(f.motion, f.pulls, strict=True):
+            j = axes.index(axis)
+            if nonlinear and axis in DOFS[:2] and abs(pull) < PULLED * f.mass and abs(mean[b, j]) > SHOVED * std[b, j]:
+                yield (
+                    f"floats.{f.name}: its mean {axis}, {mean[b, j]:.2g} m, is by the incident waves' pressure on the"
+                    " wet hull, without that of second order of the waves it sends out, and may be several times too"
+                    ' large: outputs = ["drift"] of the frequency domain has both; no part of the estimated error'
+                )
 
 
 def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:

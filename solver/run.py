@@ -28,6 +28,7 @@ from solver.record.recorder import Recorder
 from solver.record.refit import prepared
 from solver.record.slow import SlowShare
 from solver.record.starting import from_rest
+from solver.record.turning import turning
 from solver.record.unknown import without_unknown
 from solver.scene import Scene
 
@@ -182,6 +183,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     if odd := (
         *told,
         *of_motions(scene, channels.axes, tables),
+        *turning(system, channels, tables),
         *beyond,
         *late,
         *recorder.settling.notes(channels),

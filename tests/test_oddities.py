@@ -11,13 +11,14 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from solver.limits import pushed
 from solver.mooring import Line
-from solver.oddities import beyond_tables, overdamped, warnings
+from solver.oddities import beyond_tables, overdamped, shoved, warnings
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.run import simulate
 from solver.scene import EndStops
 from solver.sea.current import Current, CurrentSpeed
 from solver.sea.field import wave_field
 from solver.sea.realization import components, regular
+from solver.statistics import STATISTICS
 from tests.awkward import bare_legs, flap, soft_mooring, unequal_legs
 from tests.record.test_slow import soft
 from tests.test_balance import ball
@@ -260,3 +261,19 @@ def test_more_than_critical_damping_is_told_before_and_by_the_record(ratio, told
     bare = lines_in(1.0, replace(damped, floats=(replace(damped.floats[0], critical_damping=0.5),)), h)
     record = lines_in(1.0, damped, h).attrs.get("warnings", "")
     assert record.startswith(text) is told_so and record.endswith(bare.attrs.get("warnings", ""))
+
+
+@pytest.mark.parametrize(
+    ("froude_krylov", "pull", "told"),
+    [("body-nonlinear", 0.0, True), ("linear", 0.0, False), ("body-nonlinear", 9.0, False)],
+)
+def test_a_mean_that_the_incident_waves_alone_make_is_told(froude_krylov, pull, told):
+    """Not that of a pull, nor of pressure that is linear and has none."""
+    item, _ = soft_mooring()
+    (barge,) = item.floats
+    floats = (replace(barge, preload=(pull * barge.mass, 0.0, 0.0)),)
+    item = replace(item, floats=floats, settings=replace(item.settings, froude_krylov=froude_krylov))
+    table = np.zeros((1, 3, 5))
+    table[..., STATISTICS.index("std")], table[:, 0, STATISTICS.index("mean")] = 1.0, 0.2
+    said = "; ".join(shoved(item, ["surge", "heave", "pitch"], {"motion": table}))
+    assert ("floats.barge: its mean surge, 0.2 m, is by the incident waves' pressure" in said) == told

@@ -39,7 +39,10 @@ def two(apart, **changes):
             lambda _: one(motion=("hinge",), axis=(0, 0, 2), arm=(0, 0, 1)),
             "a.arm = (0, 0, 1): must not lie along the hinge",
         ),
-        (lambda _: two(3.9), "distance of floats.a and floats.b = 3.9 m: must be > 4 m, or the floats touch"),
+        (
+            lambda _: two(3.9),
+            "distance of floats.a and floats.b = 3.9 m: must be > 4 m, or their surfaces apart, which touch",
+        ),
         (lambda _: two(9.0, on="b"), "floats.a.on = b: must name a float that is listed before"),
         (lambda buan: buan.platform(damping_ratio=1.0), "platform.damping_ratio = 1.0: must be < 1"),
         (

@@ -39,6 +39,7 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
         waves_to=whole[1] if whole else np.inf,
         flow=s.radiation or s.diffraction,
         planar=scene.planar,
+        far_field="drift" in s.outputs,
         gap_damping=s.gap_damping,
         gap_width=s.gap_width,
         **how,

@@ -7,7 +7,7 @@ waves make a force at the difference of their frequencies, by Newman's approxima
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -29,7 +29,16 @@ NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of hal
 SLOWEST = 1e-6  # [rad/s] at which added mass is that of no frequency
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
 
+FEW = 16  # waves whose differences are told one by one: of more a record shows the spectrum
 Impedance = Callable[[np.ndarray], np.ndarray]  # of frequencies μ (m,): B - iμ(A - A∞) (m, n, n)
+
+
+class Slow(NamedTuple):
+    """What varies slowly of a load."""
+
+    mu: np.ndarray  # (m,) [rad/s]
+    power: np.ndarray  # (m, n, n) variance at each, or one-sided spectrum
+    lines: bool  # which
 
 
 def waves_of(case: Case, response: Response) -> Waves:
@@ -78,7 +87,7 @@ def variables(case: Case, response: Response, law: JointLaw) -> tuple[dict[str, 
     if axes.size:
         loads = np.stack([force[:, 0], force[:, 1], moment], axis=1)
         each = loads[:, [HORIZONTAL.index(channels.names[i]) for i in axes]]
-        slow = slow_spectrum(waves.omega, waves.amplitude, each, scene.settings.duration)
+        slow = slow_load(waves.omega, waves.amplitude, each, scene.settings.duration)
         damped = case.damped_model(law)
         means, stds, unmet = moved(damped, axes, radiated(case.system, h), each.sum(axis=0), slow)
         for name, values in (("drift_offset", means), ("slow_drift", stds)):
@@ -113,30 +122,33 @@ def radiated(system: System, h: Hydrodynamics) -> Impedance:
     return lambda mu: np.asarray(E.T @ impedance_anywhere(system, h, mu) @ E)
 
 
-def slow_spectrum(
-    omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, duration: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """μ (m,) [rad/s] and S_F(μ) (m, n, n), one-sided, of waves a (nw,) with loads F (nw, n) each:
+def slow_load(omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, duration: float) -> Slow:
+    """Of waves a (nw,) with loads F (nw, n) each: Σ 2|aᵢaⱼ|² ¼(Tᵢ + Tⱼ)(Tᵢ + Tⱼ)ᵀ over their pairs, at |ωᵢ - ωⱼ|;
 
-    2 Σᵢⱼ |aᵢaⱼ|² ¼(Tᵢ + Tⱼ)(Tᵢ + Tⱼ)ᵀ g(ωᵢ - ωⱼ - μ), g a band as spectra have them. One wave alone does not vary.
+    of many spread by g(|ωᵢ - ωⱼ| - μ), g a band as spectra have them.
     """
     n, squares = loads.shape[1], np.abs(amplitude) ** 2
-    if len(omega) == 1:
-        return np.zeros(1), np.zeros((1, n, n))
+    if len(omega) <= FEW:
+        i, j = np.triu_indices(len(omega), 1)
+        both = (
+            loads[i] * np.sqrt(squares[j] / squares[i])[:, None] + loads[j] * np.sqrt(squares[i] / squares[j])[:, None]
+        )
+        return Slow(np.abs(omega[i] - omega[j]), 0.5 * both[:, :, None] * both[:, None], lines=True)
     width = bands(omega, duration).width
     mu, apart = np.arange(0, np.ptp(omega) + width, width), omega[:, None] - omega
     spectrum = np.empty((len(mu), n, n))
     for k, at in enumerate(mu):
         g = np.exp(-0.5 * ((apart - at) / width) ** 2) / (width * np.sqrt(2 * np.pi))
+        np.fill_diagonal(g, 0.0)
         g = g + g.T
         spectrum[k] = 0.5 * ((loads * (g @ squares / squares)[:, None]).T @ loads + loads.T @ g @ loads)
-    return mu, spectrum
+    return Slow(mu, spectrum, lines=False)
 
 
 def moved(
-    model: LinearModel, axes: np.ndarray, Y: Impedance, mean: np.ndarray, slow: tuple[np.ndarray, np.ndarray]
+    model: LinearModel, axes: np.ndarray, Y: Impedance, mean: np.ndarray, slow: Slow
 ) -> tuple[np.ndarray, np.ndarray, str]:
-    """Mean and std (n,) along the axes by a mean load (n,) and the spectrum of a slow one, and what has none.
+    """Mean and std (n,) along the axes by a mean load (n,) and a slow one, and what has none.
 
     C x̄ = F;   cov x = ∫ H S_F Hᴴ dμ,  H = (C - μ²M - iμ(D + Y(μ)))⁻¹, of all coordinates: others follow without a
     load of their own, as a hull held below its centre of gravity pitches.
@@ -151,14 +163,14 @@ def moved(
     if np.linalg.eigvalsh((D[own] + D[own].T) / 2)[0] <= 0:
         return offset, none, "slow_drift: nothing damps the support's slow drift"
     added = -Y(np.array([SLOWEST]))[0].imag / SLOWEST
-    mu = _resolving(slow[0], C, D, model.mass + added)
+    mu = slow.mu if slow.lines else _resolving(slow.mu, C, D, model.mass + added)
     H, swings, w = np.empty((len(mu), *steady.shape), complex), mu > 0, mu[mu > 0][:, None, None]
     H[~swings] = np.linalg.inv(steady)
     whole = C - w**2 * model.mass - 1j * w * (D + Y(mu[swings]))
     H[swings] = np.linalg.inv(whole)[:, axes[:, None], axes]
-    S = make_interp_spline(*slow, k=1)(mu) if len(slow[0]) > 1 else np.zeros(H.shape)
+    S = slow.power if slow.lines else make_interp_spline(slow.mu, slow.power, k=1)(mu)
     variance = np.einsum("kij,kjl,kil->ki", H, S, H.conj()).real
-    return offset, np.sqrt(np.trapezoid(variance, mu, axis=0)), ""
+    return offset, np.sqrt(variance.sum(axis=0) if slow.lines else np.trapezoid(variance, mu, axis=0)), ""
 
 
 def _resolving(mu: np.ndarray, C: np.ndarray, D: np.ndarray, M: np.ndarray) -> np.ndarray:

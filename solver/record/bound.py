@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.scene import Float, Scene
 from solver.sea.dispersion import group_velocity, wavenumbers
 from solver.statistics import STATISTICS
@@ -18,9 +18,9 @@ FAINT = 1e-9  # of an axis's motion, what counts as none of its kind
 
 
 def largest_power(scene: Scene) -> float:
-    """Of the only float of a scene, a body of revolution on a fixed support [W]; infinite for all others."""
+    """Of the only float of a scene, round and on a fixed support [W]; infinite for all others."""
     alone = len(scene.floats) == 1 and scene.platform is None
-    if not alone or not isinstance(scene.floats[0].hull, Revolution):
+    if not alone or (isinstance(hull := scene.floats[0].hull, PanelHull) and not hull.revolved):
         return np.inf
     return _gain(scene.floats[0]) * power_per_wavenumber(scene)
 

@@ -39,6 +39,7 @@ from solver.record.recorder import Recorder
 from solver.record.refit import prepared
 from solver.record.sampling import expected_error
 from solver.record.starting import from_rest
+from solver.record.turning import turning
 from solver.reference import axes as joint_axes
 from solver.reference.augmented import (
     NO_SUPPORTS,
@@ -141,6 +142,7 @@ def simulate_reference(
     if odd := (
         *told,
         *of_motions(scene, channels.axes, tables),
+        *turning(case.system, channels, tables),
         *late,
         *recorder.settling.notes(channels),
         *from_rest(case.system, hydrodynamics),

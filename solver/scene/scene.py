@@ -63,7 +63,7 @@ class Scene:
         for a, b in (pair for group in self.sharing for pair in combinations(group, 2)):
             if touching(a.hull, a.centre, b.hull, b.centre):
                 key, gap = f"distance of floats.{a.name} and floats.{b.name}", np.linalg.norm(a.centre - b.centre)
-                limit = f"must be > {reach(a.hull) + reach(b.hull):g} m, or the floats touch"
+                limit = f"must be > {reach(a.hull) + reach(b.hull):g} m, or their surfaces apart, which touch"
                 yield InputError(key, f"{gap:g} m", limit)
         for f in (f for f in self.floats if any(f.stroke)):
             for first, second, angles in self.meetings({f.name: f.stroke}):

@@ -138,7 +138,7 @@ def test_linear_model_and_time_have_no_terms_between_them():
 def test_they_may_stand_in_each_other_and_mixed_up_coefficients_are_refused():
     a, b = awkward.oblique()[0].floats
     inside = replace(b, hinge=a.hinge, arm=(a.arm[0], a.arm[1] + 0.2, a.arm[2]))
-    with pytest.raises(InputError, match="or the floats touch"):
+    with pytest.raises(InputError, match="or their surfaces apart, which touch"):
         Scene(water=Water(depth=50.0), floats=(a, inside))
     settings = {"method": "frequency", "froude_krylov": "linear", "interaction": False}
     scene = awkward.scene([a, inside], waves=awkward.oblique()[0].sea, **settings)

@@ -146,12 +146,26 @@ def test_slow_drift_of_one_axis_is_that_of_all_pairs_of_waves(slowest):
     mu = waves.omega[j] - waves.omega[i]
     exact = np.sqrt(np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4 / np.abs(C - mu**2 * M - 1j * mu * D) ** 2))
     model = SimpleNamespace(stiffness=np.diag([1.0, C]), damping=np.diag([1.0, D]), mass=np.diag([1.0, 0.3 * M]))
-    slow = drift.slow_spectrum(waves.omega, waves.amplitude, (T * a2)[:, None], 3600.0)
+    slow = drift.slow_load(waves.omega, waves.amplitude, (T * a2)[:, None], 3600.0)
     level = np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4)
-    assert np.trapezoid(slow[1][:, 0, 0], slow[0]) == approx(level, rel=0.01)
+    assert np.trapezoid(slow.power[:, 0, 0], slow.mu) == approx(level, rel=0.01)
     mean, std, unmet = drift.moved(model, np.array([1]), afloat(np.diag([0.0, 0.7 * M])), np.array([T @ a2]), slow)
     assert mean[0] == approx(T @ a2 / C) and not unmet
     assert std[0] == approx(exact, rel=0.03)
+
+
+@pytest.mark.parametrize("omega", [[1.5, 2.0], [1.0, 1.143], [0.9, 1.4, 1.1, 1.55], np.linspace(1.0, 2.0, 24)])
+def test_few_waves_drift_as_their_pairs_do(omega):
+    """On the resonance, 0.143 rad/s, and off it: the force of one wave is steady, and no pair has a band."""
+    w, C, M, D = np.array(omega), 1e5, 1e5 / 0.143**2, 1e6
+    a, T = 0.1 * np.exp(1j * w), 3e4 * (w - 0.6)
+    i, j = np.triu_indices(w.size, 1)
+    H = 1 / np.abs(C - (w[j] - w[i]) ** 2 * M - 1j * (w[j] - w[i]) * D)
+    exact = np.sqrt(np.sum(0.5 * (np.abs(a[i] * a[j]) * (T[i] + T[j]) * H) ** 2))
+    model = SimpleNamespace(stiffness=np.diag([C]), damping=np.diag([D]), mass=np.diag([M]))
+    slow = drift.slow_load(w, a, (T * np.abs(a) ** 2)[:, None], 3600.0)
+    _, std, _ = drift.moved(model, np.array([0]), afloat(np.zeros((1, 1))), np.array([1.0]), slow)
+    assert std[0] == approx(exact, rel=1e-9 if w.size <= drift.FEW else 0.02)
 
 
 def test_two_axes_drift_as_each_would_along_its_own():
@@ -163,8 +177,8 @@ def test_two_axes_drift_as_each_would_along_its_own():
     own = SimpleNamespace(stiffness=C, damping=D, mass=M)
     turned = SimpleNamespace(stiffness=R @ C @ R.T, damping=R @ D @ R.T, mass=R @ M @ R.T)
     both, none = np.arange(2), afloat(np.zeros((2, 2)))
-    mean, std, _ = drift.moved(own, both, none, np.array([3e4, 1e4]), (mu, spectrum))
-    other, turned_std, _ = drift.moved(turned, both, none, R @ [3e4, 1e4], (mu, R @ spectrum @ R.T))
+    mean, std, _ = drift.moved(own, both, none, np.array([3e4, 1e4]), drift.Slow(mu, spectrum, False))
+    other, turned_std, _ = drift.moved(turned, both, none, R @ [3e4, 1e4], drift.Slow(mu, R @ spectrum @ R.T, False))
     assert other == approx(R @ mean) and turned_std**2 == approx(np.diag(R @ np.diag(std**2) @ R.T), rel=1e-3)
 
 
@@ -176,14 +190,14 @@ def test_axes_without_a_load_of_their_own_follow():
     )  # fmt: skip
     mu, none = np.linspace(0, 1.0, 21), afloat(np.zeros((2, 2)))
     slow = np.exp(-3 * mu)[:, None, None] * np.array([[3e9]])
-    mean, std, _ = drift.moved(own, np.array([0]), none, np.array([3e3]), (mu, slow))
-    both = drift.moved(own, np.arange(2), none, np.array([3e3, 0.0]), (mu, slow * np.diag([1.0, 0.0])))
+    mean, std, _ = drift.moved(own, np.array([0]), none, np.array([3e3]), drift.Slow(mu, slow, False))
+    both = drift.moved(own, np.arange(2), none, np.array([3e3, 0.0]), drift.Slow(mu, slow * np.diag([1.0, 0.0]), False))
     assert mean[0] == approx(both[0][0], rel=1e-9) and std[0] == approx(both[1][0], rel=1e-9)
     assert mean[0] > 1.5 * 3e3 / 2e4
 
 
 def test_what_nothing_holds_or_damps_has_no_drift():
-    none, slow = np.zeros((2, 2)), (np.arange(3.0), np.ones((3, 1, 1)))
+    none, slow = np.zeros((2, 2)), drift.Slow(np.arange(3.0), np.ones((3, 1, 1)), False)
     model = SimpleNamespace(stiffness=none, damping=none, mass=np.eye(2))
     mean, std, unmet = drift.moved(model, np.array([0]), afloat(none), np.array([3.0]), slow)
     assert np.isnan([*mean, *std]).all() and "nothing holds" in unmet
@@ -193,9 +207,9 @@ def test_what_nothing_holds_or_damps_has_no_drift():
 
 
 def test_one_wave_does_not_drift_slowly():
-    mu, spectrum = drift.slow_spectrum(np.array([1.0]), np.array([1j]), np.array([[2e3, 1e3]]), 3600.0)
+    slow = drift.slow_load(np.array([1.0]), np.array([1j]), np.array([[2e3, 1e3]]), 3600.0)
     model = SimpleNamespace(stiffness=np.eye(2), damping=np.eye(2), mass=np.eye(2))
-    mean, std, unmet = drift.moved(model, np.arange(2), afloat(np.zeros((2, 2))), np.array([2e3, 1e3]), (mu, spectrum))
+    mean, std, unmet = drift.moved(model, np.arange(2), afloat(np.zeros((2, 2))), np.array([2e3, 1e3]), slow)
     assert mean == approx([2e3, 1e3]) and std == approx([0.0, 0.0]) and not unmet
 
 

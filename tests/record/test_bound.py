@@ -8,7 +8,10 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
+from solver.hydrodynamics.hull.box import box
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.ring import ring
 from solver.record.bound import above, largest_power, power_per_wavenumber, wave_power
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
@@ -96,3 +99,16 @@ def test_more_than_that_is_told():
     assert list(above(whole, taking(1.5 * most), -lifted)) == [told]
     two = replace(whole, floats=(*whole.floats, replace(whole.floats[0], name="other", hinge=(30.0, 0, 0))))
     assert largest_power(two) == inf
+
+
+def test_rings_are_round_and_boxes_are_not():
+    whole = scene(ball("heave", pto_damping=1e5), inf)
+
+    def most(hull):
+        return largest_power(replace(whole, floats=(replace(whole.floats[0], hull=hull),)))
+
+    well = ring(((3.0, -4.0), (6.0, -4.0), (6.0, 2.0), (3.0, 2.0)))
+    assert most(well) == largest_power(whole)
+    assert most(box(length=4.0, width=4.0, height=3.0, draft=1.5)) == inf
+    turned = well.vertices * np.where(np.arange(3) == 0, 1.001, 1.0)
+    assert most(PanelHull.of(turned, well.faces)) == inf

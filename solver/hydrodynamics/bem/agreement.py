@@ -69,16 +69,14 @@ def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> np.ndar
 
     Long waves show it, and a Froude-Krylov force, where it is told, better: that is held against the hull's, too.
     """
-    doubt, told = np.zeros((len(floats.names), 3)), _places(six, floats, expected)
+    doubt, told = np.zeros((len(floats.names), 3)), [_places(six, floats, expected)]
     if six.froude_krylov is not None:
         _require_incident(six, floats, expected)
-        of_incident = [
-            _incident_place(six.froude_krylov[:, 0], floats, expected, six.omega, b) for b in range(len(doubt))
-        ]
-        _require_near(six, floats, told)
-        told = of_incident
-    _require_near(six, floats, told)
-    for b, (away, may) in enumerate(told):
+        incident = six.froude_krylov[:, 0]
+        told.append([_incident_place(incident, floats, expected, six.omega, b) for b in range(len(doubt))])
+    for places in told:
+        _require_near(six, floats, places)
+    for b, (away, may) in enumerate(told[-1]):
         off = np.linalg.norm(away)
         doubt[b] = away * max(0.0, 1 - PLAIN * may / off) if off else 0.0
     return doubt

@@ -14,7 +14,8 @@ from solver.errors import InputError
 from solver.hydrodynamics.hull import mending, meshfile, shells, surface
 from solver.hydrodynamics.hull.edges import jutting
 
-ALIKE = 1e-5  # of the hull's size, within which a mirror image coincides with the hull
+ALIKE = 1e-5  # of the hull's size, within which a mirror image coincides with the hull, and one that is turned
+ROUND = 16  # corners on a circle of what counts as round
 
 LEAST = 1e-8  # of the extent cubed: volume that upright walls alone may seem to have by rounding
 
@@ -225,6 +226,21 @@ class PanelHull:
     def symmetry(self) -> tuple[bool, bool]:
         """Whether the hull is symmetric in x = 0, and in y = 0."""
         return self._mirrored(0), self._mirrored(1)
+
+    @cached_property
+    def revolved(self) -> bool:
+        """Whether its corners lie as many on each circle, ROUND at least, and a turn by one brings each to another."""
+        radius, angle = np.hypot(*self.vertices[:, :2].T), np.arctan2(*self.vertices[:, 1::-1].T)
+        grid = ALIKE * self.size
+        same = np.unique(np.round(np.stack([radius, self.vertices[:, 2]], axis=1) / grid), axis=0, return_inverse=True)[
+            1
+        ]
+        count = np.bincount(same)
+        if not (radius.min() > grid and count.min() == count.max() >= ROUND):
+            return False
+        turned = np.stack([radius * np.cos(step := angle + 2 * np.pi / count[0]), radius * np.sin(step)], axis=1)
+        near = scipy.spatial.cKDTree(self.vertices).query(np.column_stack([turned, self.vertices[:, 2]]))[0]
+        return bool(near.max() < grid)
 
     def _mirrored(self, axis: int) -> bool:
         """Whether the hull is its own image; panels may be cut otherwise there, along the other diagonal say."""

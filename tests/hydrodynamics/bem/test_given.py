@@ -639,6 +639,20 @@ def test_one_float_alone_is_moved_to_its_place():
     same(adopted(given, (hull,), at, ("rear",), **WATER, planar=False, points=at + off), there)
 
 
+def test_moments_are_held_against_what_long_waves_exert_though_a_froude_krylov_force_is_told():
+    """Pitch of the other sign in added mass and damping: the incident wave's moment does not tell."""
+    h, away = ours(), about(ours(), CENTRES - [0.0, 0.0, 3.0])
+    signs = np.where(np.arange(12) % 6 == 4, -1.0, 1.0)
+    fk = (h.froude_krylov @ carried(CENTRES, CENTRES - [0.0, 0.0, 3.0]))[:, None]
+    same(taken(replace(away, froude_krylov=fk)), h)
+    wrong = {
+        n: np.outer(signs, signs) * getattr(away, n) for n in ("added_mass", "radiation_damping", "added_mass_inf")
+    }
+    refused(
+        replace(away, **wrong, froude_krylov=fk), match="wave moments on .* are as about a point .* from the one told"
+    )
+
+
 def test_one_float_alone_is_moved_by_its_own_point_near_places_too():
     """That the file's x = y = 0 is, not where its buoyancy is; whatever point moments are about."""
     own = np.array([[0.0, 0.0, 0.0]])
