@@ -39,6 +39,7 @@ from solver.statistics import FAINT
 STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
 ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
 GROWS = 3.0  # times the last change, which no more rounds make agree
+LAGS, HALFWAY = 0.6, 0.5  # of the last change, from which rounds go to and fro, and how far they go from then on
 AGREED = 0.05  # last change of the harmonics, of what turning changes of them
 
 
@@ -127,30 +128,32 @@ def turning_effect(
     Z = case.model.assembled(omega, waves.against) - 1j * omega[:, None, None] * response.damping
     mobility = np.linalg.inv(Z[1:])
     below = np.flatnonzero(np.abs(omega) < case.waves.min())[1:]
-    X, last = linear, np.inf
+    X, last, share = linear, np.inf, 1.0
     for _ in range(ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
             more, wrench = _beyond(case, waves, X)
         more[below] = more[below] @ slow.others
-        before, X = X, linear.copy()
-        X[0] += case.shift(more[0].real)
-        X[1:] += (mobility @ more[1:, :, None])[..., 0]
-        change, whole = (np.abs(x * length).max() for x in (X - before, X - linear))
+        found = linear.copy()
+        found[0] += case.shift(more[0].real)
+        found[1:] += (mobility @ more[1:, :, None])[..., 0]
+        change, whole = (np.abs(x * length).max() for x in (found - X, found - linear))
         if not change < GROWS * last:
             break
-        last = change
+        if change > LAGS * last:
+            share = HALFWAY
         if change <= AGREED * whole:
             # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
-            wrench = case.model.loads(omega, X - before, waves.Y, wrench, case.system.bodies.active)
+            wrench = case.model.loads(omega, found - X, waves.Y, wrench, case.system.bodies.active)
             borne = response.wrench, lattice.first(standing.lines(response.wrench)), wrench
             told, usual, exact = map(case.channels.hinge_force, borne)
             error = max(
-                _of_motions(case, law, waves, response, linear, X, slow),
+                _of_motions(case, law, waves, response, linear, found, slow),
                 _of_forces(case, waves, told, usual, exact),
-                *_of_frame(case, waves, frame, standing.lines(frame.lines), X - linear, slow.compression),
+                *_of_frame(case, waves, frame, standing.lines(frame.lines), found - linear, slow.compression),
             )
             each = (lines.reshape(len(lines), -1) for lines in (told, usual, exact))
             return Effect(error, _extremes(case, waves, standing, *each))
+        X, last = X + share * (found - X), change
     return Effect(UNTOLD, 1.0)
 
 

@@ -242,6 +242,13 @@ def test_waves_of_one_frequency_make_no_difference():
         assert 0 < record.attrs["rotation_effect"] < 0.05
 
 
+@pytest.mark.parametrize(("name", "angle", "most"), [("column", 0.2, 0.08), ("oblique", 0.25, 0.5)])
+def test_rounds_that_go_to_and_fro_are_brought_to_agree(name, angle, most):
+    """A free column's drift shifts its phase, and so its drift."""
+    little, large = (simulate(*swinging(name, a, sea_of)).attrs["rotation_effect"] for a in (angle / 2, angle))
+    assert 2 * little < large < most
+
+
 def test_a_wave_that_no_round_agrees_for_is_not_told():
     item, h = SCENES["duck"]()
     high = linear(replace(item, sea=regular(height=30.0, period=4.0)), method="frequency")
