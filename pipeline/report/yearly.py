@@ -41,13 +41,14 @@ def over_seas(each: xr.DataArray, weights: Any) -> xr.DataArray:
 
     m = Σ wⱼ m̄ⱼ/Σ wⱼ of the means m̄ⱼ over the nⱼ realizations of each sea state j, by weights w (sea_state,) or a
     dataset's `occurrence`, else equal ones. The interval is m ± t s, s² = Σ (wⱼ/Σw)² sⱼ²/nⱼ of independent
-    realizations, with Student's t at the degrees of freedom of Welch and Satterthwaite, (Σ vⱼ)²/Σ vⱼ²/(nⱼ - 1). NaN:
+    realizations, with Student's t at the degrees of freedom of Welch and Satterthwaite, (Σ vⱼ)²/Σ vⱼ²/(nⱼ - 1). Sea
+    states with the same number in every realization are the same waves and count there as one, by their sum of wⱼ. NaN:
     value where a sea state has no number, interval where one has a single realization.
     """
     import xarray as xr
     from scipy import stats
 
-    mean, error, freedom = _weighted(_means(each.drop_vars(FAILED, errors="ignore")), weights)
+    mean, error, freedom = _weighted(each, weights)
     with np.errstate(invalid="ignore", divide="ignore"):
         # Where no realization differs there is no scatter, and no degree of freedom either.
         half = (stats.t.ppf((1 + LEVEL) / 2, freedom) * error).where(error != 0, 0.0)
@@ -82,21 +83,37 @@ def _tasks(values: xr.DataArray) -> list[Hashable]:
 
 def _means(each: xr.DataArray) -> _Mean:
     """Over realizations, those that have a number."""
-    each = each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
     number = each.notnull().sum("seed")
     return _Mean(each.mean("seed"), each.var("seed", ddof=1) / number.where(number > 1), number)
 
 
-def _weighted(of: _Mean, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
+def _weighted(each: xr.DataArray, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
     """Mean over sea states, its standard error, and degrees of freedom."""
-    w = occurrence(weights, of.mean)
-    parts = w**2 * of.variance
-    variance = parts.sum("sea_state", skipna=False)
-    freedom = variance**2 / (parts**2 / (of.number - 1).where(of.number > 1)).sum("sea_state", skipna=False)
+    each = each.drop_vars(FAILED, errors="ignore")
+    each = each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
+    of, w = _means(each), occurrence(weights, each)
+    alike = _of_alike(each, w)
+    # Sums over sea states, of which k alike have Σ w alike = alike² together and not Σ w².
+    variance = (w * alike * of.variance).sum("sea_state", skipna=False)
+    squares = w * alike**3 * of.variance**2 / (of.number - 1).where(of.number > 1)
+    freedom = variance**2 / squares.sum("sea_state", skipna=False)
     return (w * of.mean).sum("sea_state", skipna=False), variance**0.5, freedom
 
 
 def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
+def _of_alike(each: xr.DataArray, w: xr.DataArray) -> xr.DataArray:
+    """Weight of all sea states that have the numbers of each, in every realization."""
+    import xarray as xr
+
+    def summed(x: np.ndarray, w: np.ndarray) -> np.ndarray:
+        return np.stack([(x == x[..., [j], :]).all(-1) @ w for j in range(x.shape[-2])], axis=-1)
+
+    core = [["sea_state", "seed"], ["sea_state"]]
+    known = each.fillna(np.inf)  # a number that failed is as another that did
+    found: xr.DataArray = xr.apply_ufunc(summed, known, w, input_core_dims=core, output_core_dims=core[1:])
+    return found
+
+
     """Shares of the sea states (sea_state,) that add up to one, from a dataset's `occurrence` or numbers."""
     import xarray as xr
 

@@ -45,6 +45,13 @@ def test_seas_count_by_their_occurrence():
     assert lives(data.drop_vars("occurrence")).damage.sel(estimate="value").values.ravel()[0] == approx(5e-6)
 
 
+def test_sea_states_of_the_same_waves_are_one():
+    """They scatter together: mean and interval are those of one with both weights, which a failed realization keeps."""
+    same, other = np.array([1.0, 3.0, 2.0, np.nan]) * 1e-6, np.array([9.0, 7.0, 8.0, 5.0]) * 1e-6
+    found = lives(dataset([same, other, same]), weights=[0.1, 0.5, 0.4]).damage
+    assert found.values == approx(lives(dataset([same, other]), weights=[0.5, 0.5]).damage.values)
+
+
 def test_seas_that_an_axis_makes_count_alike():
     """Their heights go along it: how often these come nobody said, and a line of all is their plain mean."""
     data = dataset([[1e-6], [9e-6]]).assign_coords(occurrence=("sea_state", [300.0, 100.0])).expand_dims(scale=[1, 2])
