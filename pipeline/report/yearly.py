@@ -21,7 +21,8 @@ ESTIMATES = ("value", "low", "high")
 WORDS = 2  # columns of a table that are words
 DAY = 24.0  # the least sum of occurrences that looks like hours [h]
 FULL = 8700.0, 8800.0  # between these they are those of a year [h]
-SHARES = tuple(10.0**n for n in range(2, 7))  # and sums that are none: percent, per mille and so on
+# Sums of shares, percent, per mille, and of counts that scatter diagrams have; not 10,000, which hours might be.
+WHOLE = 1.0, 1e2, 1e3, 1e5, 1e6
 KNOWN = ("Hs", "Tp", "wave_height", "wave_period")  # numbers of sea states, along what changes them
 RUN = ("done", "stale", "failed")  # statuses of tasks that have run
 FAILED = "failed_realizations"
@@ -100,7 +101,6 @@ def _weighted(each: xr.DataArray, weights: Any) -> tuple[xr.DataArray, xr.DataAr
     return (w * of.mean).sum("sea_state", skipna=False), variance**0.5, freedom
 
 
-def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
 def _of_alike(each: xr.DataArray, w: xr.DataArray) -> xr.DataArray:
     """Weight of all sea states that have the numbers of each, in every realization."""
     import xarray as xr
@@ -114,6 +114,7 @@ def _of_alike(each: xr.DataArray, w: xr.DataArray) -> xr.DataArray:
     return found
 
 
+def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
     """Shares of the sea states (sea_state,) that add up to one, from a dataset's `occurrence` or numbers."""
     import xarray as xr
 
@@ -131,13 +132,14 @@ def weighed(data: xr.Dataset) -> xr.Dataset:
 
 
 def of_part(data: xr.Dataset) -> str:
-    """A sentence where occurrences look like hours that do not fill a year, or more than fill it."""
-    total = float(data["occurrence"].sum()) if "occurrence" in data.coords else 0.0
-    if total <= DAY or FULL[0] <= total <= FULL[1] or np.isclose(total, SHARES, rtol=1e-2).any():
+    """A sentence where occurrences, hours or shares, do not fill a year, or more than fill it."""
+    total = float(data["occurrence"].sum()) if "occurrence" in data.coords else 1.0
+    if FULL[0] <= total <= FULL[1] or np.isclose(total, WHOLE, rtol=1e-2).any():
         return ""
-    told = f" The occurrences add up to {total:g}: if these are hours, they are {total / YEAR:.0%} of a year, and"
-    if total > FULL[1]:
-        return f"{told} count as shares of one."
+    kind, part = ("hours", total / YEAR) if total > DAY else ("shares", total)
+    told = f" The occurrences add up to {total:g}: if these are {kind}, they are {part:.0%} of a year, and"
+    if part > 1:
+        return f"{told} were scaled down to one."
     return f"{told} the rest counts as if the same seas went on; with nothing in the rest a year has that share of it."
 
 

@@ -149,22 +149,25 @@ def test_realizations_that_failed_are_told_those_that_have_not_run_are_not():
         ([3000.0, 2000.0, 500.0], "63% of a year"),
         ([20.0, 4.5], "0% of a year"),
         ([8760.0], ""),
-        ([8000.0, 12000.0], "228% of a year, and count as shares of one."),
+        ([8000.0, 12000.0], "if these are hours, they are 228% of a year, and were scaled down to one."),
         ([8784.0], ""),
-        ([1e4 - 20.0, 15.0], ""),
+        ([8000.0, 2000.0], "114% of a year, and were scaled down to one."),
         ([1e5], ""),
         ([0.5, 0.3, 0.2], ""),
+        ([0.5, 0.3, 0.192], ""),
+        ([0.45, 0.15], "if these are shares, they are 60% of a year, and the rest counts as if the same seas went on"),
+        ([0.7, 0.5], "if these are shares, they are 120% of a year, and were scaled down to one."),
         ([62.0, 30.2, 7.7], ""),
         ([999.0, 1.5], ""),
         (None, ""),
     ],
 )
-def test_hours_of_another_time_than_a_year_are_told(hours, share):
-    """Shares, percent and their like, and one year are not; nor is a study that gives none."""
+def test_hours_and_shares_of_another_time_than_a_year_are_told(hours, share):
+    """Those of one year are not, nor percent and their like; nor is a study that gives none."""
     data = dataset([[1e-6, 3e-6]] * len(hours or [1]))
     data = data if hours is None else data.assign_coords(occurrence=("sea_state", hours))
     console = Console(width=200)
     with console.capture() as drawn:
         show(table(data), console)
-    assert ("if these are hours" in drawn.get()) == bool(share) and share in drawn.get()
+    assert ("if these are" in drawn.get()) == bool(share) and share in drawn.get()
     assert bool(of_part(data)) == bool(share) and NOTE in table(data.isel(sea_state=0)).note  # one sea's
