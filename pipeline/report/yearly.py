@@ -26,6 +26,12 @@ WHOLE = 1.0, 1e2, 1e3, 1e5, 1e6
 KNOWN = ("Hs", "Tp", "wave_height", "wave_period")  # numbers of sea states, along what changes them
 RUN = ("done", "stale", "failed")  # statuses of tasks that have run
 FAILED = "failed_realizations"
+ERROR = "record_error"  # what a task's number may be off by, in its unit
+BESIDE = (FAILED, ERROR)  # coordinates that go with tasks' numbers
+MARK = " *"
+OFF = (
+    f"{MARK}: by their estimated_error records may be off by more than this interval, which is of their scatter alone."
+)
 SURVIVORS = " Realizations that failed, as a rule the roughest, are in no mean."
 
 
@@ -75,7 +81,17 @@ def realized(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
 
 def failures(values: xr.DataArray) -> xr.DataArray:
     """How many realizations of all sea states failed, of values that are `realized`: their means leave them out."""
-    return values[FAILED].sum(_tasks(values[FAILED])).drop_vars(FAILED, errors="ignore")
+    return values[FAILED].sum(_tasks(values[FAILED])).drop_vars(BESIDE, errors="ignore")
+
+
+def with_errors(data: xr.Dataset, values: xr.DataArray, size: xr.DataArray) -> xr.DataArray:
+    """Values with what their records may be off by, as a coordinate: `estimated_error` of a size."""
+    return values.assign_coords({ERROR: data["estimated_error"] * size})
+
+
+def off(each: xr.DataArray, weights: Any) -> xr.DataArray:
+    """What the mean of `over_seas` may be off by as records are, by errors of one kind, which add up; 0 if unknown."""
+    return _weighted(each.coords.get(ERROR, 0.0 * each), weights)[0].fillna(0.0)
 
 
 def _tasks(values: xr.DataArray) -> list[Hashable]:
@@ -90,7 +106,7 @@ def _means(each: xr.DataArray) -> _Mean:
 
 def _weighted(each: xr.DataArray, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
     """Mean over sea states, its standard error, and degrees of freedom."""
-    each = each.drop_vars(FAILED, errors="ignore")
+    each = each.drop_vars(BESIDE, errors="ignore")
     each = each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
     of, w = _means(each), occurrence(weights, each)
     alike = _of_alike(each, w)
@@ -191,6 +207,11 @@ def of_survivors(lines: Iterable[tuple[str, ...]]) -> str:
     return SURVIVORS if any("failed" in line[-1] for line in lines) else ""
 
 
+def remarks(lines: Collection[tuple[str, ...]]) -> str:
+    """Sentences where numbers are marked, and where realizations failed."""
+    return OFF * any(line[WORDS].endswith(MARK) for line in lines) + of_survivors(lines)
+
+
 def prefix(values: xr.DataArray) -> tuple[str, float]:
     """Of the unit in which numbers are told, and its factor: thousands, or the unit itself of a model's."""
     return ("", 1.0) if float(abs(values).max()) < PLAIN else ("k", 1e3)
@@ -199,6 +220,12 @@ def prefix(values: xr.DataArray) -> tuple[str, float]:
 def texts(numbers: np.ndarray) -> list[str]:
     """Three digits of each."""
     return ["-" if np.isnan(number) else f"{number:z.3g}" for number in numbers]
+
+
+def marked(found: np.ndarray, error: xr.DataArray, scale: float) -> list[str]:
+    """Value, low and high over scale as text; the value with a mark if it may be off by more."""
+    value, *ends = texts(found / scale)
+    return [value + MARK * bool(error > found[2] - found[0]), *ends]
 
 
 def show(table: Table, console: Console) -> None:

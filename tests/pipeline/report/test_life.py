@@ -8,7 +8,7 @@ from rich.console import Console
 from scipy import stats
 
 from pipeline.report.life import NOTE, lives, rows, table
-from pipeline.report.yearly import LEVEL, SURVIVORS, of_part, show
+from pipeline.report.yearly import LEVEL, OFF, SURVIVORS, of_part, show
 
 YEAR = 365.25 * 24
 
@@ -89,6 +89,16 @@ def test_what_is_not_known_is_not_told():
     ]
     still = lives(dataset([[0.0, 0.0]])).isel(leg=0, fibre=0)
     assert still.damage.values.tolist() == [0, 0, 0] and np.all(np.isinf(still.life.values))
+
+
+def test_damage_that_records_may_be_off_by_more_than_the_interval_is_marked():
+    """By three times what stresses are."""
+    data = dataset([[1e-6, 1.1e-6, 1.2e-6]])
+    half = stats.t.ppf(0.975, 2) * 0.1 / np.sqrt(3) / 1.1
+    for error in (0.32 * half, 0.34 * half):
+        told = table(data.assign(estimated_error=(("sea_state", "seed"), np.full((1, 3), error))))
+        assert told.lines[0][2].endswith(" *") == (OFF in told.note) == (error > half / 3)
+    assert OFF not in table(data).note
 
 
 def test_rows_are_of_each_label_whatever_its_axis_is_called():
