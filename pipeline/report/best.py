@@ -9,16 +9,18 @@ import numpy as np
 
 from pipeline.report.energy import OF, powers
 from pipeline.report.yearly import (
-    FAILED,
+    BESIDE,
     LEVEL,
     Table,
     by_sea,
     cells,
     counted,
+    marked,
     named,
-    of_survivors,
+    off,
     over_seas,
     prefix,
+    remarks,
     texts,
     weighed,
 )
@@ -37,7 +39,11 @@ NOTE = (
 )
 PAIRED = (
     f" The next best has less by the mean of the differences in the same waves, in brackets {LEVEL:.0%}; undecided: 0"
-    " is among these. An end that is not so decided against the number beside it is not told."
+    " is among these."
+)
+OF_ERRORS = (
+    " What the records of both may be off by, by their estimated_error, is undecided, too. An end that is not decided"
+    " against the number beside it is not told."
 )
 
 
@@ -47,6 +53,7 @@ class _Compared(NamedTuple):
     mean: xr.DataArray  # power; NaN of those that are not compared
     at: dict[Hashable, int]  # place of the best
     ahead: xr.DataArray  # what the best has more than each, in the same realizations, along `estimate`
+    error: xr.DataArray  # what their records leave of that
 
     @property
     def least(self) -> float:
@@ -59,6 +66,11 @@ class _Compared(NamedTuple):
         several = int(self.mean.notnull().sum()) > 1
         return several and float(self.mean.max() - self.mean.min()) <= self.least
 
+    def undecided(self, at: dict[Hashable, int]) -> bool:
+        """Whether another may be as good as the best, by the scatter of realizations or by what records are off by."""
+        value, low, _ = self.ahead.isel(at).values
+        return bool(low <= self.least or value < self.error.isel(at))
+
 
 def table(data: xr.Dataset) -> Table:
     """Of a study with several designs."""
@@ -70,7 +82,7 @@ def table(data: xr.Dataset) -> Table:
     first = ("", "most power with", f"mean {OF[variable]} power [{unit}W]", "low", "high")
     second = ("next best", f"less by [{unit}W]") if _several(data) else ()
     lines = list(rows(data, variable, scale))
-    note = NOTE + PAIRED * bool(second) + of_survivors(lines)
+    note = NOTE + PAIRED * bool(second) + OF_ERRORS + remarks(lines)
     return Table(TITLE, (*first, *second, "realizations"), lines, note)
 
 
@@ -93,13 +105,18 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
             if not mean.fillna(0.0).any():  # nor is there a best of none that takes power
                 continue
             at = {dim: int(place) for dim, place in mean.argmax(designs).items()}
-            of = _Compared(mean, at, over_seas(each.isel(at, drop=True) - each, some))
+            error = off(each, some)
+            # As of independent errors: those of one kind cancel in part, but nothing tells how much of them.
+            both = (error**2 + error.isel(at, drop=True) ** 2) ** 0.5
+            of = _Compared(mean, at, over_seas(each.isel(at, drop=True) - each, some), both)
             named_by = (_label(mean[dim], at[dim]) + " (an end)" * _at_end(of, dim) for dim in designs)
             chosen = "any" if of.alike else ", ".join(named_by)
             if (known := int(mean.notnull().sum())) < mean.size:
                 chosen += f" (of {known} among {mean.size})"
-            second = _next_best(of, scale) if _several(data) else ()
-            power = texts(found.isel(at).values / scale)
+            second = _next_best(of, scale)
+            if not _several(data):
+                chosen, second = chosen + " (undecided)" * second[1].endswith("undecided"), ()
+            power = marked(found.isel(at).values, error.isel(at), scale)
             yield label, chosen, *power, *second, counted(each.isel(at))
 
 
@@ -118,18 +135,15 @@ def _whole(each: xr.DataArray, designs: Sequence[Hashable]) -> xr.DataArray:
     return whole.all([dim for dim in ("sea_state", "seed") if dim in whole.dims])
 
 
-def _next_best(of: _Compared, scale: float) -> tuple[str, str]:
+def _next_best(of: _Compared, scale: float) -> tuple[str, ...]:
     """The one with the most power of those that differ from the best, by where they do, and by how much, over scale."""
     others = of.mean.where(of.mean < of.mean.isel(of.at) - of.least)
     if others.isnull().all():
         return "-", "-"
     at = {dim: int(place) for dim, place in others.argmax([*of.at]).items()}
     label = ", ".join(_label(of.mean[dim], place) for dim, place in at.items() if place != of.at[dim])
-    ahead = of.ahead.isel(at).values
-    less, low, high = texts(ahead / scale)
-    if np.isnan(ahead[1]):
-        return label, less
-    return label, f"{less} [{low}, {high}]" + " undecided" * bool(ahead[1] <= of.least)
+    less, low, high = texts(of.ahead.isel(at).values / scale)
+    return label, less + f" [{low}, {high}]" * (low != "-") + " undecided" * of.undecided(at)
 
 
 def _label(axis: xr.DataArray, place: int) -> str:
@@ -139,21 +153,21 @@ def _label(axis: xr.DataArray, place: int) -> str:
 
 
 def _along(axis: xr.DataArray) -> list[tuple[Hashable, xr.DataArray]]:
-    others = ((name, other) for name, other in axis.coords.items() if name not in (axis.name, FAILED))
+    others = ((name, other) for name, other in axis.coords.items() if name not in (axis.name, *BESIDE))
     return [(name, other) for name, other in others if other.dims == axis.dims]
 
 
 def _at_end(of: _Compared, dim: Hashable) -> bool:
     """Whether the best is the last of an axis's numbers to either side, and decided against the one beside it.
 
-    Where no interval tells that, it is if the axis matters. Numbers of samples have no end.
+    Where no interval or error tells that, it is if the axis matters. Numbers of samples have no end.
     """
     axis, place = of.mean[dim], of.at[dim]
     numbers = axis.values
     if _along(axis) or not np.issubdtype(axis.dtype, np.number) or numbers[place] not in (numbers.min(), numbers.max()):
         return False
     at = {other: number for other, number in of.at.items() if other != dim}
-    mean, low = of.mean.isel(at).values, of.ahead.sel(estimate="low").isel(at).values
-    order = [i for i in np.argsort(numbers) if not np.isnan(mean[i])]
-    beside = low[order[:2][-1] if order[0] == place else order[-2]]
-    return bool((np.nanmax(mean) - np.nanmin(mean) if np.isnan(beside) else beside) > of.least)
+    mean = of.mean.isel(at).values
+    order = [int(i) for i in np.argsort(numbers) if not np.isnan(mean[i])]
+    beside = order[:2][-1] if order[0] == place else order[-2]
+    return bool(np.nanmax(mean) - np.nanmin(mean) > of.least) and not of.undecided({**at, dim: beside})

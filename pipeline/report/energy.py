@@ -14,13 +14,16 @@ from pipeline.report.yearly import (
     cells,
     counted,
     failures,
+    marked,
     of_part,
-    of_survivors,
+    off,
     over_seas,
     prefix,
     realized,
+    remarks,
     texts,
     weighed,
+    with_errors,
 )
 
 if TYPE_CHECKING:
@@ -57,11 +60,18 @@ def powers(data: xr.Dataset, variable: str) -> xr.DataArray:
     Electrical power of a float without an efficiency, which is 1 each way, is what it absorbs: the mean of what a
     spring exchanges is 0. All are the floats that have numbers in some sea; unknown is their sum where one's is.
     """
+    each = realized(data, _of_tasks(data, variable, "mean"))
+    # An error is relative to the rms, and of a sum of floats at most the sum of theirs.
+    return with_errors(data, each, _of_tasks(data, variable, "rms")) if "estimated_error" in data else each
+
+
+def _of_tasks(data: xr.Dataset, variable: str, statistic: str) -> xr.DataArray:
+    """A statistic of power in each task, of the floats and, last, of all."""
     import xarray as xr
 
-    each = data[variable].sel(statistic="mean", drop=True)
+    each = data[variable].sel(statistic=statistic, drop=True)
     if variable == "electrical_power":
-        each = each.fillna(data["absorbed_power"].sel(statistic="mean", drop=True))
+        each = each.fillna(data["absorbed_power"].sel(statistic=statistic, drop=True))
     works = each.notnull().any([dim for dim in ("sea_state", "seed") if dim in each.dims])
     if "status" in data and "sea_state" in each.dims:
         lifted = works & each.isnull() & data["status"].isin(["done", "stale"])
@@ -69,7 +79,7 @@ def powers(data: xr.Dataset, variable: str) -> xr.DataArray:
     if each.sizes["float"] > 1:
         total = each.where(works, 0.0).sum("float", skipna=False).where(works.any("float")).assign_coords(float=ALL)
         each = xr.concat([each, total], dim="float", coords="minimal", compat="override")
-    return realized(data, each)
+    return each
 
 
 def table(data: xr.Dataset) -> Table:
@@ -79,7 +89,7 @@ def table(data: xr.Dataset) -> Table:
     unit, scale = prefix(data[next(name for name in OF if name in data)].sel(statistic="mean")) if told else ("k", 1e3)
     columns = f"mean power [{unit}W]", "low", "high", f"energy a year [{ABOVE[unit]}Wh]", "low", "high", "realizations"
     lines = list(rows(data, scale)) if told else []
-    return Table("Energy", ("", "", *columns), lines, NOTE + of_part(data) + of_survivors(lines))
+    return Table("Energy", ("", "", *columns), lines, NOTE + of_part(data) + remarks(lines))
 
 
 def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
@@ -89,9 +99,9 @@ def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
             continue
         values = powers(data, variable).compute()
         for labels, part in cells(values, variable, ("float",)):
-            found = over_seas(part[variable], part)
+            found, error = over_seas(part[variable], part), off(part[variable], part)
             for name in part["float"].values.tolist():
-                each, power = (of.sel({"float": name}) for of in (part[variable], found))
+                each, power, other = (of.sel({"float": name}) for of in (part[variable], found, error))
                 if each.notnull().any():
-                    figures = texts(power.values / scale), texts(power.values * YEAR / (1e3 * scale))
+                    figures = marked(power.values, other, scale), texts(power.values * YEAR / (1e3 * scale))
                     yield ", ".join([*labels, name]), word, *figures[0], *figures[1], counted(each)

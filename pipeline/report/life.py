@@ -18,17 +18,21 @@ from pipeline.report.yearly import (
     cells,
     counted,
     failures,
+    marked,
     of_part,
-    of_survivors,
+    off,
     over_seas,
     realized,
+    remarks,
     texts,
     weighed,
+    with_errors,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
 
+STEEP = 3.0  # the least slope of curves: damage is off by as many times what stress is
 AT = {"damage": "foot", "damage_top": "top"}  # of the legs, by variable
 HEADER = ("", "where", "damage a year", "low", "high", "life [years]", "low", "high", "realizations")
 NOTE = (
@@ -64,15 +68,17 @@ def table(data: xr.Dataset) -> Table:
     lines = list(rows(data))
     seas = "these by their occurrence" if "occurrence" in data.coords else "all of which count alike"
     note = f"Mean damage over realizations and sea states, {seas}{NOTE}"
-    return Table("Fatigue", HEADER, lines, note + of_part(data) + of_survivors(lines))
+    return Table("Fatigue", HEADER, lines, note + of_part(data) + remarks(lines))
 
 
 def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     """Of every platform and other label, at feet and tops: all seas together, and each by itself, as text."""
     for variable, end in AT.items():
         if variable in data:
-            values = realized(data, data[variable]).compute()
-            for labels, part in cells(values, variable, ("leg", "fibre")):
+            values = realized(data, data[variable])
+            if "estimated_error" in data:
+                values = with_errors(data, values, STEEP * data[variable])
+            for labels, part in cells(values.compute(), variable, ("leg", "fibre")):
                 yield from _of_cell(part, variable, labels, end)
 
 
@@ -87,5 +93,6 @@ def _of_cell(part: xr.Dataset, variable: str, words: list[str], end: str) -> Ite
         worst = first.argmax(["leg", "fibre"])
         at = found.isel(worst)
         where = f"{end} of leg {at.leg.values}, fibre {at.fibre.values}"
-        yearly, years = at.damage.values * YEAR, at.life.values / HOUR / YEAR
-        yield label, where, *texts(yearly), *texts(years), counted(some[variable].isel(worst))
+        error = off(some[variable], some).isel(worst)
+        yearly, years = marked(at.damage.values, error, 1 / YEAR), texts(at.life.values / HOUR / YEAR)
+        yield label, where, *yearly, *years, counted(some[variable].isel(worst))

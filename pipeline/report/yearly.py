@@ -21,10 +21,17 @@ ESTIMATES = ("value", "low", "high")
 WORDS = 2  # columns of a table that are words
 DAY = 24.0  # the least sum of occurrences that looks like hours [h]
 FULL = 8700.0, 8800.0  # between these they are those of a year [h]
-SHARES = tuple(10.0**n for n in range(2, 7))  # and sums that are none: percent, per mille and so on
+# Sums of shares, percent, per mille, and of counts that scatter diagrams have; not 10,000, which hours might be.
+WHOLE = 1.0, 1e2, 1e3, 1e5, 1e6
 KNOWN = ("Hs", "Tp", "wave_height", "wave_period")  # numbers of sea states, along what changes them
 RUN = ("done", "stale", "failed")  # statuses of tasks that have run
 FAILED = "failed_realizations"
+ERROR = "record_error"  # what a task's number may be off by, in its unit
+BESIDE = (FAILED, ERROR)  # coordinates that go with tasks' numbers
+MARK = " *"
+OFF = (
+    f"{MARK}: by their estimated_error records may be off by more than this interval, which is of their scatter alone."
+)
 SURVIVORS = " Realizations that failed, as a rule the roughest, are in no mean."
 
 
@@ -41,13 +48,14 @@ def over_seas(each: xr.DataArray, weights: Any) -> xr.DataArray:
 
     m = Σ wⱼ m̄ⱼ/Σ wⱼ of the means m̄ⱼ over the nⱼ realizations of each sea state j, by weights w (sea_state,) or a
     dataset's `occurrence`, else equal ones. The interval is m ± t s, s² = Σ (wⱼ/Σw)² sⱼ²/nⱼ of independent
-    realizations, with Student's t at the degrees of freedom of Welch and Satterthwaite, (Σ vⱼ)²/Σ vⱼ²/(nⱼ - 1). NaN:
+    realizations, with Student's t at the degrees of freedom of Welch and Satterthwaite, (Σ vⱼ)²/Σ vⱼ²/(nⱼ - 1). Sea
+    states with the same number in every realization are the same waves and count there as one, by their sum of wⱼ. NaN:
     value where a sea state has no number, interval where one has a single realization.
     """
     import xarray as xr
     from scipy import stats
 
-    mean, error, freedom = _weighted(_means(each.drop_vars(FAILED, errors="ignore")), weights)
+    mean, error, freedom = _weighted(each, weights)
     with np.errstate(invalid="ignore", divide="ignore"):
         # Where no realization differs there is no scatter, and no degree of freedom either.
         half = (stats.t.ppf((1 + LEVEL) / 2, freedom) * error).where(error != 0, 0.0)
@@ -73,7 +81,17 @@ def realized(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
 
 def failures(values: xr.DataArray) -> xr.DataArray:
     """How many realizations of all sea states failed, of values that are `realized`: their means leave them out."""
-    return values[FAILED].sum(_tasks(values[FAILED])).drop_vars(FAILED, errors="ignore")
+    return values[FAILED].sum(_tasks(values[FAILED])).drop_vars(BESIDE, errors="ignore")
+
+
+def with_errors(data: xr.Dataset, values: xr.DataArray, size: xr.DataArray) -> xr.DataArray:
+    """Values with what their records may be off by, as a coordinate: `estimated_error` of a size."""
+    return values.assign_coords({ERROR: data["estimated_error"] * size})
+
+
+def off(each: xr.DataArray, weights: Any) -> xr.DataArray:
+    """What the mean of `over_seas` may be off by as records are, by errors of one kind, which add up; 0 if unknown."""
+    return _weighted(each.coords.get(ERROR, 0.0 * each), weights)[0].fillna(0.0)
 
 
 def _tasks(values: xr.DataArray) -> list[Hashable]:
@@ -82,18 +100,34 @@ def _tasks(values: xr.DataArray) -> list[Hashable]:
 
 def _means(each: xr.DataArray) -> _Mean:
     """Over realizations, those that have a number."""
-    each = each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
     number = each.notnull().sum("seed")
     return _Mean(each.mean("seed"), each.var("seed", ddof=1) / number.where(number > 1), number)
 
 
-def _weighted(of: _Mean, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
+def _weighted(each: xr.DataArray, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
     """Mean over sea states, its standard error, and degrees of freedom."""
-    w = occurrence(weights, of.mean)
-    parts = w**2 * of.variance
-    variance = parts.sum("sea_state", skipna=False)
-    freedom = variance**2 / (parts**2 / (of.number - 1).where(of.number > 1)).sum("sea_state", skipna=False)
+    each = each.drop_vars(BESIDE, errors="ignore")
+    each = each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
+    of, w = _means(each), occurrence(weights, each)
+    alike = _of_alike(each, w)
+    # Sums over sea states, of which k alike have Σ w alike = alike² together and not Σ w².
+    variance = (w * alike * of.variance).sum("sea_state", skipna=False)
+    squares = w * alike**3 * of.variance**2 / (of.number - 1).where(of.number > 1)
+    freedom = variance**2 / squares.sum("sea_state", skipna=False)
     return (w * of.mean).sum("sea_state", skipna=False), variance**0.5, freedom
+
+
+def _of_alike(each: xr.DataArray, w: xr.DataArray) -> xr.DataArray:
+    """Weight of all sea states that have the numbers of each, in every realization."""
+    import xarray as xr
+
+    def summed(x: np.ndarray, w: np.ndarray) -> np.ndarray:
+        return np.stack([(x == x[..., [j], :]).all(-1) @ w for j in range(x.shape[-2])], axis=-1)
+
+    core = [["sea_state", "seed"], ["sea_state"]]
+    known = each.fillna(np.inf)  # a number that failed is as another that did
+    found: xr.DataArray = xr.apply_ufunc(summed, known, w, input_core_dims=core, output_core_dims=core[1:])
+    return found
 
 
 def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
@@ -114,13 +148,14 @@ def weighed(data: xr.Dataset) -> xr.Dataset:
 
 
 def of_part(data: xr.Dataset) -> str:
-    """A sentence where occurrences look like hours that do not fill a year, or more than fill it."""
-    total = float(data["occurrence"].sum()) if "occurrence" in data.coords else 0.0
-    if total <= DAY or FULL[0] <= total <= FULL[1] or np.isclose(total, SHARES, rtol=1e-2).any():
+    """A sentence where occurrences, hours or shares, do not fill a year, or more than fill it."""
+    total = float(data["occurrence"].sum()) if "occurrence" in data.coords else 1.0
+    if FULL[0] <= total <= FULL[1] or np.isclose(total, WHOLE, rtol=1e-2).any():
         return ""
-    told = f" The occurrences add up to {total:g}: if these are hours, they are {total / YEAR:.0%} of a year, and"
-    if total > FULL[1]:
-        return f"{told} count as shares of one."
+    kind, part = ("hours", total / YEAR) if total > DAY else ("shares", total)
+    told = f" The occurrences add up to {total:g}: if these are {kind}, they are {part:.0%} of a year, and"
+    if part > 1:
+        return f"{told} were scaled down to one."
     return f"{told} the rest counts as if the same seas went on; with nothing in the rest a year has that share of it."
 
 
@@ -172,6 +207,11 @@ def of_survivors(lines: Iterable[tuple[str, ...]]) -> str:
     return SURVIVORS if any("failed" in line[-1] for line in lines) else ""
 
 
+def remarks(lines: Collection[tuple[str, ...]]) -> str:
+    """Sentences where numbers are marked, and where realizations failed."""
+    return OFF * any(line[WORDS].endswith(MARK) for line in lines) + of_survivors(lines)
+
+
 def prefix(values: xr.DataArray) -> tuple[str, float]:
     """Of the unit in which numbers are told, and its factor: thousands, or the unit itself of a model's."""
     return ("", 1.0) if float(abs(values).max()) < PLAIN else ("k", 1e3)
@@ -180,6 +220,12 @@ def prefix(values: xr.DataArray) -> tuple[str, float]:
 def texts(numbers: np.ndarray) -> list[str]:
     """Three digits of each."""
     return ["-" if np.isnan(number) else f"{number:z.3g}" for number in numbers]
+
+
+def marked(found: np.ndarray, error: xr.DataArray, scale: float) -> list[str]:
+    """Value, low and high over scale as text; the value with a mark if it may be off by more."""
+    value, *ends = texts(found / scale)
+    return [value + MARK * bool(error > found[2] - found[0]), *ends]
 
 
 def show(table: Table, console: Console) -> None:

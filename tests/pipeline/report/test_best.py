@@ -179,6 +179,20 @@ def test_the_next_best_has_less_by_paired_differences():
     assert single.header[5:] == ("realizations",) and [line[1][-8:] for line in single.lines] == ["(an end)"] * 3
 
 
+def test_what_records_may_be_off_by_is_undecided():
+    """By the root of both errors' squares, relative to the rms, which add up over sea states; no end is told then."""
+    data = of_spacing([[3.0, 3.001], [2.9, 2.901]], [[9.0, 9.001], [8.7, 8.701]])
+    data = xr.concat([data, 2 * data], "statistic").assign_coords(statistic=["mean", "rms"])
+    one = xr.DataArray(np.ones((2, 2)), dims=["sea_state", "seed"])
+    for error, told in ((0.016, ""), (0.018, "undecided")):  # differences are 0.017 of both rms so weighed
+        known = data.assign(estimated_error=error * one * xr.DataArray([0.6, 0.8], dims="hinge_spacing"))
+        for line in table(known).lines:
+            assert line[1] == "hinge_spacing 4" + " (an end)" * (not told) and line[2].endswith(" *")
+            assert line[6].partition("] ")[2] == told
+        single = [line[1] for line in table(known.isel(seed=[0])).lines]
+        assert single == ["hinge_spacing 4" + (f" ({told})" if told else " (an end)")] * 3
+
+
 def test_an_end_is_decided_against_the_number_beside_it():
     """Of those that are compared: what is far better than the other end may be no better than what is beside it."""
     scatter = np.array([-0.01, 0.01])
@@ -198,3 +212,4 @@ def test_designs_alike_are_no_next_best():
     data = data.assign_coords(pto_damping=[1e5, 2e5])
     assert {line[5] for line in rows(data)} == {"hinge_spacing 4"}
     assert {line[5:7] for line in rows(data.isel(hinge_spacing=[0]))} == {("-", "-")}
+    assert {line[1] for line in rows(data.isel(seed=[0]))} == {"hinge_spacing 6 (an end), pto_damping 100000"}

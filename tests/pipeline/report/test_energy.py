@@ -8,7 +8,7 @@ from scipy import stats
 
 from pipeline.report import best
 from pipeline.report.energy import ALL, energies, rows, table
-from pipeline.report.yearly import SURVIVORS, show
+from pipeline.report.yearly import OFF, SURVIVORS, show
 
 HOURS = 365.25 * 24
 STATISTICS = ["max", "min", "mean", "rms", "std"]
@@ -41,6 +41,19 @@ def test_all_floats_have_the_interval_of_their_sum():
     assert found.power.sel({"float": ALL}).values == approx([total] * 3)
     assert found.energy.sel({"float": ALL}).values == approx([total * HOURS * 3600] * 3)
     assert energies(dataset(MIRRORED), weights=[1, 1]).power.values[0, 2] == approx(7.5e3)
+
+
+def test_what_records_may_be_off_by_more_than_the_interval_is_marked():
+    """Errors are relative to the rms, here twice the mean, and add up over sea states; of all floats, too."""
+    data = dataset(MIRRORED).copy(deep=True)
+    data.absorbed_power.loc[{"statistic": "rms"}] = 2 * data.absorbed_power.sel(statistic="mean")
+    low, high = energies(data).power.sel({"float": "front"}).values[1:]
+    for error, floats in ((0.49, []), (0.51, ["front"])):
+        share = error * (high - low) / 2 / energies(data).power.values[0, 0]
+        told = table(data.assign(estimated_error=(("sea_state", "seed"), np.full((2, 2), share))))
+        assert [line[0] for line in told.lines if line[2].endswith(" *")] == [*floats, ALL]  # whose sum is the same
+        assert OFF in told.note and energies(data).power.equals(energies(data.assign(estimated_error=share)).power)
+    assert OFF not in table(data).note
 
 
 def test_a_line_for_each_float_and_label():

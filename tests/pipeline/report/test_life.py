@@ -8,7 +8,7 @@ from rich.console import Console
 from scipy import stats
 
 from pipeline.report.life import NOTE, lives, rows, table
-from pipeline.report.yearly import LEVEL, SURVIVORS, of_part, show
+from pipeline.report.yearly import LEVEL, OFF, SURVIVORS, of_part, show
 
 YEAR = 365.25 * 24
 
@@ -43,6 +43,13 @@ def test_seas_count_by_their_occurrence():
     assert found == approx([mean, mean - half, mean + half])
     assert lives(data, weights=[1, 1]).damage.sel(estimate="value").values.ravel()[0] == approx(5e-6)
     assert lives(data.drop_vars("occurrence")).damage.sel(estimate="value").values.ravel()[0] == approx(5e-6)
+
+
+def test_sea_states_of_the_same_waves_are_one():
+    """They scatter together: mean and interval are those of one with both weights, which a failed realization keeps."""
+    same, other = np.array([1.0, 3.0, 2.0, np.nan]) * 1e-6, np.array([9.0, 7.0, 8.0, 5.0]) * 1e-6
+    found = lives(dataset([same, other, same]), weights=[0.1, 0.5, 0.4]).damage
+    assert found.values == approx(lives(dataset([same, other]), weights=[0.5, 0.5]).damage.values)
 
 
 def test_seas_that_an_axis_makes_count_alike():
@@ -82,6 +89,16 @@ def test_what_is_not_known_is_not_told():
     ]
     still = lives(dataset([[0.0, 0.0]])).isel(leg=0, fibre=0)
     assert still.damage.values.tolist() == [0, 0, 0] and np.all(np.isinf(still.life.values))
+
+
+def test_damage_that_records_may_be_off_by_more_than_the_interval_is_marked():
+    """By three times what stresses are."""
+    data = dataset([[1e-6, 1.1e-6, 1.2e-6]])
+    half = stats.t.ppf(0.975, 2) * 0.1 / np.sqrt(3) / 1.1
+    for error in (0.32 * half, 0.34 * half):
+        told = table(data.assign(estimated_error=(("sea_state", "seed"), np.full((1, 3), error))))
+        assert told.lines[0][2].endswith(" *") == (OFF in told.note) == (error > half / 3)
+    assert OFF not in table(data).note
 
 
 def test_rows_are_of_each_label_whatever_its_axis_is_called():
@@ -142,22 +159,25 @@ def test_realizations_that_failed_are_told_those_that_have_not_run_are_not():
         ([3000.0, 2000.0, 500.0], "63% of a year"),
         ([20.0, 4.5], "0% of a year"),
         ([8760.0], ""),
-        ([8000.0, 12000.0], "228% of a year, and count as shares of one."),
+        ([8000.0, 12000.0], "if these are hours, they are 228% of a year, and were scaled down to one."),
         ([8784.0], ""),
-        ([1e4 - 20.0, 15.0], ""),
+        ([8000.0, 2000.0], "114% of a year, and were scaled down to one."),
         ([1e5], ""),
         ([0.5, 0.3, 0.2], ""),
+        ([0.5, 0.3, 0.192], ""),
+        ([0.45, 0.15], "if these are shares, they are 60% of a year, and the rest counts as if the same seas went on"),
+        ([0.7, 0.5], "if these are shares, they are 120% of a year, and were scaled down to one."),
         ([62.0, 30.2, 7.7], ""),
         ([999.0, 1.5], ""),
         (None, ""),
     ],
 )
-def test_hours_of_another_time_than_a_year_are_told(hours, share):
-    """Shares, percent and their like, and one year are not; nor is a study that gives none."""
+def test_hours_and_shares_of_another_time_than_a_year_are_told(hours, share):
+    """Those of one year are not, nor percent and their like; nor is a study that gives none."""
     data = dataset([[1e-6, 3e-6]] * len(hours or [1]))
     data = data if hours is None else data.assign_coords(occurrence=("sea_state", hours))
     console = Console(width=200)
     with console.capture() as drawn:
         show(table(data), console)
-    assert ("if these are hours" in drawn.get()) == bool(share) and share in drawn.get()
+    assert ("if these are" in drawn.get()) == bool(share) and share in drawn.get()
     assert bool(of_part(data)) == bool(share) and NOTE in table(data.isel(sea_state=0)).note  # one sea's
