@@ -21,6 +21,7 @@ from pipeline.study.axes import TAKEN, Axes, Axis, told
 from pipeline.study.layout import HINGE
 from pipeline.study.paths import PathError, keys_at, with_value
 from pipeline.study.schema import StudyFile
+from pipeline.study.settings import RULES
 from pipeline.study.tables import Same
 from pipeline.tasks.task import (
     AXES,
@@ -57,6 +58,7 @@ def problems(study: StudyFile) -> list[InputError]:
         _overlaps,
         _variants,
         _empty,
+        _idle,
         partial(_at_each_value, judge=_contents),
         partial(_at_each_value, judge=_scenes),
         _together,
@@ -327,6 +329,15 @@ def _recording(study: StudyFile) -> Iterator[InputError]:
     if step is not None and study.solver.tolerance is None and longest > MOST_STEPS * step:
         limit = f"must be >= {longest / MOST_STEPS:.3g} s, or {longest:g} s take more than {MOST_STEPS} steps"
         yield InputError("solver.time_step", step, limit)
+
+
+def _idle(study: StudyFile) -> Iterator[InputError]:
+    """Rules of outputs that no task has, and yet whoever gives them means them to."""
+    records = [content.record for content, _ in _each_value(study)]
+    for name in RULES:
+        given = any(name in record.model_fields_set for record in records)
+        if given and not any(name in record.outputs for record in records):
+            yield InputError(f"record.{name}", "given", f"is of the output {name}: ask for it in record.outputs, too")
 
 
 def _left_out(study: StudyFile) -> Iterator[InputError]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeline.study import columns
 from pipeline.study.seas import (
+    FURTHER,
     Components,
     Elevation,
     Irregular,
@@ -96,14 +97,9 @@ def spectrum(sea: Irregular | WhiteNoise | MeasuredSpectrum, waves: Waves) -> Sp
 def shape(sea: Irregular, waves: Waves) -> Peaked:
     """The solver's spectrum with a peak; what the sea state leaves open is as in [waves]."""
     word = sea.spectrum or waves.spectrum
-    further = {key: getattr(sea, key) or getattr(waves, key) for key in keys_of(word)}
+    further = {key: getattr(sea, key) or getattr(waves, key) for key in FURTHER[word]}
     made: Peaked = _class(word)(Hs=sea.Hs, Tp=sea.Tp, **further)
     return made
-
-
-def keys_of(word: Shape) -> list[str]:
-    """Which keys a spectrum with a peak has besides Hs and Tp."""
-    return [field.name for field in dataclasses.fields(_class(word)) if field.name not in ("Hs", "Tp")]
 
 
 def _class(word: Shape) -> Any:

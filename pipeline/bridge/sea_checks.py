@@ -30,10 +30,10 @@ def problems(study: StudyFile) -> Iterator[InputError]:
     if waves.band and (falling := list(objections(partial(require_rising, waves.band)))):
         yield from falling
         return
-    if waves.form != "peak" and "form" not in realizations.keys_of(waves.spectrum):
+    if waves.form != "peak" and "form" not in seas.FURTHER[waves.spectrum]:
         yield _foreign("waves", "form", waves.form, waves.spectrum)
     # Whatever its value: it decides of no wave, and yet whoever gives it means it to.
-    if "gamma" in waves.model_fields_set and not any("gamma" in realizations.keys_of(each) for each in _shapes(study)):
+    if "gamma" in waves.model_fields_set and not any("gamma" in seas.FURTHER[each] for each in _shapes(study)):
         yield _foreign("waves", "gamma", waves.gamma, waves.spectrum)
     rare = [label for label, sea in study.seas.items() if sea.occurrence is None]
     if 0 < len(rare) < len(study.seas):
@@ -70,7 +70,7 @@ def _sea(key: str, sea: SeaState, study: StudyFile) -> Iterator[InputError]:
 def _shape(key: str, sea: Irregular, study: StudyFile) -> Iterator[InputError]:
     shape = sea.spectrum or study.waves.spectrum
     for name, value in sea:
-        known = name in ("kind", "Hs", "Tp", "spectrum", "occurrence", *realizations.keys_of(shape))
+        known = name in ("kind", "Hs", "Tp", "spectrum", "occurrence", *seas.FURTHER[shape])
         if not known and value not in (None, "peak"):  # whose period is the peak's, form = "peak" is true of it
             yield _foreign(key, name, value, shape)
 
@@ -85,7 +85,7 @@ def _shapes(study: StudyFile) -> Iterator[Shape]:
 
 def _foreign(key: str, name: str, value: object, shape: Shape) -> InputError:
     """The objection to a key that other spectra have."""
-    takers = " or ".join(f'"{each}"' for each in get_args(Shape) if name in realizations.keys_of(each))
+    takers = " or ".join(f'"{each}"' for each in get_args(Shape) if name in seas.FURTHER[each])
     return InputError(f"{key}.{name}", value, f'is for spectrum = {takers}, not "{shape}"')
 
 

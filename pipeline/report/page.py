@@ -68,7 +68,7 @@ def html(results: Results) -> str:
             "Asked and not met": unmet(results),
             "Warnings": warnings(results),
             "Published numbers that name what this study does not have": report.strange(
-                results.data, results.published
+                results.data, results.published, results.study.content
             ),
         },
         tables=(beside := published_tables(results)),

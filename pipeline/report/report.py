@@ -6,7 +6,7 @@ import csv
 import difflib
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -29,6 +29,8 @@ from pipeline.study.reading import StudyError
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pipeline.study.schema import StudyFile
+
 STATISTICS = ("max", "min", "mean", "rms", "std")
 AXES = ("heave", "pitch")  # one that slides and one that turns: units go by them alone
 OFF = 1 / 3  # a ratio further from 1 than this gets a star, and its sentence if realizations are few
@@ -38,6 +40,7 @@ ROUNDING = 1e-9
 COMPONENTS = "axis", "direction", "force", "moment"  # dimensions along which a mean means nothing
 ENOUGH = 20  # realizations whose range says something about one more
 COLUMNS = ("table", "label", "variable", "selection", "statistic", "value", "unit", "note")
+MORE = "more"  # what a row has beyond these
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,28 +106,49 @@ class Ours:
 def published(path: Path) -> list[Published]:
     """Rows of a file of published numbers."""
     with path.open(newline="", encoding="utf-8") as file:
-        rows = csv.DictReader((line for line in file if not line.startswith("#")), restval="")
+        rows = csv.DictReader((line for line in file if not line.startswith("#")), restkey=MORE, restval="")
         try:
             if tuple(rows.fieldnames or ()) != COLUMNS:
                 raise StudyError(path, [f"columns = {rows.fieldnames}: must be {', '.join(COLUMNS)}"])
-            made = [_row(path, number, row) for number, row in enumerate(rows, start=1)]
+            each = {f"row {number} = {row['label']!r}": row for number, row in enumerate(rows, start=1)}
         except (UnicodeDecodeError, csv.Error) as error:
             raise StudyError(path, [f"is no table of text: {error}"]) from None
+    if problems := [f"{place}: {problem}" for place, row in each.items() for problem in _misread(row)]:
+        raise StudyError(path, problems)
+    made = [_row(path, place, row) for place, row in each.items()]
     if problems := [f"{row.place}: {problem}" for row in made for problem in _problems(row)]:
         raise StudyError(path, problems)
     return made
 
 
-def _row(path: Path, number: int, row: dict[str, str]) -> Published:
-    place = f"row {number} = {row['label']!r}"
+def _misread(row: dict[str, Any]) -> Iterator[str]:
+    """What is no number, no selection, or more than a row has."""
+    if more := row.get(MORE):
+        limit = f"must be the last of {len(COLUMNS)}, and {','.join(more)!r} follows: commas in a text need quotes"
+        yield f"note = {row['note']!r}: {limit}"
     try:
-        value = float(row["value"])
-        pairs = [pair.split("=") for pair in row["selection"].split(";") if pair]
-        selection = {key: labels.split("+") for key, labels in pairs}
-    except (TypeError, ValueError) as error:
-        raise StudyError(path, [f"{place}: {error}"]) from None
+        float(row["value"])
+    except ValueError:
+        yield f"value = {row['value']!r}: must be a number"
+    named: set[str] = set()
+    for pair in _pairs(row):
+        key, *labels = pair.split("=")
+        if not key or len(labels) != 1 or not all(labels[0].split("+")):
+            yield f"selection = {pair!r}: must be dimension=label, with + between labels and ; before another dimension"
+        elif key in named:
+            yield f"selection {key} = {labels[0]}: must be named once, with + between labels"
+        named.add(key)
+
+
+def _pairs(row: dict[str, str]) -> list[str]:
+    return [pair for pair in row["selection"].split(";") if pair]
+
+
+def _row(path: Path, place: str, row: dict[str, str]) -> Published:
     words = {key: row[key] for key in ("table", "label", "variable", "statistic", "unit", "note")}
-    return Published(**words, selection=selection, value=value, text=row["value"], file=path.name, place=place)
+    selection = {key: labels.split("+") for key, labels in (pair.split("=") for pair in _pairs(row))}
+    text = row["value"]
+    return Published(**words, selection=selection, value=float(text), text=text, file=path.name, place=place)
 
 
 def _problems(row: Published) -> Iterator[str]:
@@ -176,12 +200,18 @@ def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
     return first_platform(values) / (-row.scale if row.statistic.startswith("-") else row.scale)
 
 
-def strange(data: xr.Dataset, rows: Sequence[Published]) -> list[str]:
+def strange(data: xr.Dataset, rows: Sequence[Published], study: StudyFile | None = None) -> list[str]:
     """Rows that name what this study does not have, though it has their sea and platform: file, row, key and limit."""
-    return [f"{row.file}: {row.place}: {words}" for row in rows for words in _strange(data, row)]
+    platform = study.platform if study else None
+    own = {  # labels of records that are known before these are
+        "float": [f.name for f in study.floats] if study else [],
+        "leg": [str(leg) for leg in range(1, len(platform.legs) + 1)] if platform else [],
+        "member": [member.name for member in platform.members] if platform else [],
+    }
+    return [f"{row.file}: {row.place}: {words}" for row in rows for words in _strange(data, row, own)]
 
 
-def _strange(data: xr.Dataset, row: Published) -> Iterator[str]:
+def _strange(data: xr.Dataset, row: Published, own: Mapping[str, list[str]]) -> Iterator[str]:
     wanted = _wanted(row)
     there = {dim: [*map(str, np.atleast_1d(data[dim].values).tolist())] for dim in wanted if dim in data.coords}
     if any(not {*there[dim]} & {*wanted[dim]} for dim in ("sea_state", "platform") if dim in there and dim in wanted):
@@ -197,9 +227,11 @@ def _strange(data: xr.Dataset, row: Published) -> Iterator[str]:
         if dim not in there or not (dim in dims or data[dim].ndim == 0):
             yield f"{key} = {'+'.join(labels)}: must be left out: {row.variable} has {', '.join(map(str, dims))}"
             continue
-        lacking = [label for label in labels if label not in there[dim]]
-        if lacking and (ran or dim not in INNER):  # labels of the records' own are known when all tasks have run
-            yield f"{key} = {'+'.join(lacking)}: must be {', '.join(there[dim])}"
+        known = there[dim]
+        if dim in INNER and not ran:  # labels of the records' own are known when all tasks have run, or by the study
+            known = own.get(dim) or labels
+        if lacking := [label for label in labels if label not in known]:
+            yield f"{key} = {'+'.join(lacking)}: must be {', '.join(known)}"
     if not _same_unit(data, row):
         yield f"unit = {row.unit!r}: must be that of the axis that the selection names, of {', '.join(row.own)}"
 
@@ -240,7 +272,7 @@ def speaks(data: xr.Dataset, rows: Sequence[Published]) -> bool:
     return bool(rows) and len(tables(data, rows)) == len({row.table for row in rows})
 
 
-def print_tables(data: xr.Dataset, rows: Sequence[Published], console: Console) -> None:
+def print_tables(data: xr.Dataset, rows: Sequence[Published], console: Console, study: StudyFile | None = None) -> None:
     """Print every table, and a sentence for each number that is far off."""
     for title, mine in tables(data, rows).items():
         table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
@@ -253,7 +285,7 @@ def print_tables(data: xr.Dataset, rows: Sequence[Published], console: Console) 
         for sentence in sentences(mine):
             console.print(f"  * {sentence}", soft_wrap=True, highlight=False, markup=False)
         console.print()
-    for words in strange(data, rows):
+    for words in strange(data, rows, study):
         console.print(words, soft_wrap=True, highlight=False, markup=False)
     if words := verdicts(data, rows):
         console.print(words, soft_wrap=True, highlight=False, markup=False)

@@ -260,10 +260,12 @@ class Store:
             flush([part for part, _ in parts], self.root)
             for part, path in parts:
                 settle(part, path)
-        except BaseException:
+        except BaseException as error:
             for part, _ in parts:
                 with contextlib.suppress(OSError):
                     part.unlink(missing_ok=True)
+            if isinstance(error, OSError) and error.filename is None:  # of a disk that is full
+                error.filename = str(self.root)
             raise
 
     def _pack(self, path: Path, members: Sequence[tuple[Task, Row, dict[str, Any]]]) -> Iterator[tuple[Path, Path]]:

@@ -14,6 +14,7 @@ from pipeline.study.tables import Count, Number, Positive, Seed, Table, Unit, di
 
 # The classes of solver.sea.spectrum that have a peak, in lower case; their fields besides Hs and Tp are keys below.
 Shape = Literal["pierson-moskowitz", "jonswap"]
+FURTHER: dict[Shape, tuple[str, ...]] = {"pierson-moskowitz": ("form",), "jonswap": ("gamma",)}
 Form = Literal["peak", "mean"]  # "mean": Tp holds the mean period T1, as in the Pierson-Moskowitz form of ITTC
 Frequency = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=100), AfterValidator(divisible)]
 Gamma = Annotated[Number, Field(ge=1, le=7), Unit("-")]
@@ -25,6 +26,7 @@ USUAL_BAND = (0.5, 3.0)
 FINE = 4  # steps of an octave in which the upper end of what coefficients must cover goes
 DIGITS = 9  # of a number of steps
 PEAK_OVER_MEAN = 2 * math.pi / (0.8 * 692) ** 0.25  # Tp / T1 of Pierson-Moskowitz, in the form of ITTC
+SHAPE = "spectrum", "form", "gamma"  # keys of [waves] that a sea may have, too
 PERIOD = "What Tp holds: the peak period, or the mean period T1"
 
 
@@ -171,14 +173,25 @@ def height(sea: SeaState) -> float:
     return 4 * math.sqrt(max(float(variance), 0.0))
 
 
-def alone(sea: SeaState) -> SeaState:
-    """The waves of a sea state, however often they come."""
-    return sea if sea.occurrence is None else sea.model_copy(update={"occurrence": None})
+def deciding(sea: SeaState, waves: Waves) -> tuple[SeaState, Waves]:
+    """Both without what decides nothing in this sea, as how often it comes; what it says of its shape goes to [waves].
 
-
-def deciding(sea: SeaState, waves: Waves) -> Waves:
-    """Waves without what decides nothing in this sea state."""
-    return waves if is_random(sea) else Waves(band=waves.band, heading=waves.heading)
+    Ids of old results have two exceptions: a spectrum stays in the sea that alone has it, where it is not the usual
+    one, and [waves] keep theirs in seas that have no such shape.
+    """
+    sea = sea.model_copy(update={"occurrence": None})
+    if not is_random(sea):
+        return sea, Waves(band=waves.band, heading=waves.heading)
+    usual = Waves()
+    if not isinstance(sea, Irregular):
+        return sea, waves.model_copy(update={"form": usual.form, "gamma": usual.gamma})
+    word = sea.spectrum or waves.spectrum
+    shape = {"spectrum": word} | {key: getattr(sea, key) or getattr(waves, key) for key in FURTHER[word]}
+    none = dict.fromkeys(SHAPE)
+    default = {key: getattr(usual, key) for key in SHAPE}
+    if word in (waves.spectrum, usual.spectrum):
+        return sea.model_copy(update=none), waves.model_copy(update=default | shape)
+    return sea.model_copy(update=none | shape), waves.model_copy(update=default)
 
 
 def frequencies(sea: SeaState, waves: Waves) -> tuple[float, float] | None:

@@ -11,6 +11,7 @@ from pipeline.study.tables import NotNegative, Number, Table, fields_of
 from solver import scene as physics
 
 DEFAULT = physics.Settings()
+RULES = ("fatigue", "utilisation")  # outputs with a table of their own
 
 
 # An id leaves out what is at its default: whoever changes a default raises tasks.task.MODEL_VERSION.
@@ -50,6 +51,11 @@ class Recording(Table):
         ramp: float = DEFAULT.ramp
         rao: bool = DEFAULT.rao
         spectra: bool = DEFAULT.spectra
+
+    def deciding(self, steel: bool) -> Recording:
+        """Without the rules of outputs that there are not, for want of an elastic platform or because none asks."""
+        idle = (name for name in RULES if not steel or name not in self.outputs)
+        return self.model_copy(update={name: type(self).model_fields[name].default for name in idle})
 
 
 @fields_of(physics.Settings, {f.name for f in fields(physics.Settings)} - {*Recording.model_fields, "keep_series"})

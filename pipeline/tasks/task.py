@@ -274,11 +274,12 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
     floats = (
         () if labels["platform"] == "elastic-no-floats" else tuple(f for f in floats if f.name not in study.left_out)
     )
+    alone, waves = _deciding(Same(sea), Same(study.waves))
     return Parameters(
         water=study.water,
-        waves=seas.deciding(sea, study.waves),
-        sea_state=seas.alone(sea),
-        record=study.record,
+        waves=waves,
+        sea_state=alone,
+        record=_recording(Same(study.record), platform is not None),
         solver=study.solver,
         floats=floats,
         platform=platform,
@@ -286,6 +287,16 @@ def _parameters(study: StudyFile, labels: Mapping[str, Label]) -> Parameters:
         coefficients=study.coefficients if floats else None,
         seed=int(labels["seed"]) if seas.is_random(sea) else 0,
     )
+
+
+@lru_cache(maxsize=128)  # one for tasks that share it
+def _deciding(sea: Same[SeaState], waves: Same[Waves]) -> tuple[SeaState, Waves]:
+    return seas.deciding(sea.table, waves.table)
+
+
+@lru_cache(maxsize=128)  # one for tasks that share it
+def _recording(record: Same[Recording], steel: bool) -> Recording:
+    return record.table.deciding(steel)
 
 
 @lru_cache(maxsize=128)  # one for tasks that share it

@@ -61,6 +61,19 @@ def test_all_of_them_reach_the_solver(study_with):
     assert scenes.scene(tasks(law)["elastic"].parameters).current.velocity(np.array([-37.5]), 50.0)[0, 0] == approx(1.0)
 
 
+@pytest.mark.parametrize(("name", "rule"), [("fatigue", "scf = 1.0"), ("utilisation", "material_factor = 1.3")])
+def test_rules_of_outputs_that_nobody_asks_for_are_refused(study_with, name, rule):
+    """The default's value, too; one variant that asks, or that has the rule, is enough."""
+    text = SMALL.replace("density = 8012.0", "density = 8012.0\nyield_strength = 355e6")
+    limit = rf"record\.{name} = given: is of the output {name}: ask for it in record\.outputs, too"
+    outputs, rules = '[record]\noutputs = ["reactions"]\n', f"[record.{name}]\n{rule}\n"
+    with pytest.raises(StudyError, match=limit):
+        study_with(outputs + rules, text=text)
+    with pytest.raises(StudyError, match=limit):
+        study_with(f"{outputs}[variants.a]\n[variants.b]\nrecord.{name}.{rule}\n", text=text)
+    study_with(f'{outputs}{rules}[variants.a]\n[variants.b]\n"record.outputs" = ["{name}"]\n', text=text)
+
+
 def test_what_utilises_tubes_reaches_the_solver(study_with):
     text = SMALL.replace("density = 8012.0", "density = 8012.0\nyield_strength = 355e6")
     outputs = '[record]\noutputs = ["utilisation"]\n[record.utilisation]\nmaterial_factor = 1.3\n'

@@ -114,7 +114,7 @@ OTHERS = [
 @pytest.mark.parametrize("sea", OTHERS)
 @pytest.mark.parametrize("gamma", [3.3, 5.0])
 def test_a_gamma_that_no_sea_has_is_refused(study_with, sea, gamma):
-    """The default's value, too; as [waves] is part of what seeds the phases, another would only draw others."""
+    """The default's value, too."""
     with pytest.raises(StudyError, match=FOREIGN.format(gamma)):
         study_with(sea, waves=f"{BAND}\ngamma = {gamma}")
     with pytest.raises(StudyError, match=FOREIGN.format(gamma)):

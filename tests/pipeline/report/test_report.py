@@ -2,6 +2,7 @@
 
 import csv
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -111,8 +112,28 @@ def test_tables_without_a_number_of_ours_are_left_out(data, tmp_path):
 
 
 def test_bad_rows_are_named(tmp_path):
-    with pytest.raises(StudyError, match="row 1 = 'power': could not convert"):
-        row(tmp_path / "p.csv", "T,power,absorbed_power,,,many,kW,")
+    lines = [
+        "T,a,absorbed_power,,,many,kW,",
+        "T,b,absorbed_power",
+        "T,c,absorbed_power,float:duck,,2.0,kW,",
+        "T,d,absorbed_power,seed=1;float=duck=2,,2.0,kW,",
+        "T,e,absorbed_power,float=;=duck;float=a+,,2.0,kW,",
+        "T,f,absorbed_power,float=front;seed=1;float=rear,,2.0,kW,",
+        "T,g,absorbed_power,,,2.0,kW,by drag, not by waves, as ours",
+    ]
+    with pytest.raises(StudyError) as refused:
+        row(tmp_path / "p.csv", "\n".join(lines))
+    pair = "must be dimension=label, with + between labels and ; before another dimension"
+    quotes = "commas in a text need quotes"
+    assert [text.partition("p.csv: ")[2] for text in refused.value.problems] == [
+        "row 1 = 'a': value = 'many': must be a number",
+        "row 2 = 'b': value = '': must be a number",
+        f"row 3 = 'c': selection = 'float:duck': {pair}",
+        f"row 4 = 'd': selection = 'float=duck=2': {pair}",
+        *(f"row 5 = 'e': selection = {each!r}: {pair}" for each in ("float=", "=duck", "float=a+")),
+        "row 6 = 'f': selection float = rear: must be named once, with + between labels",
+        f"row 7 = 'g': note = 'by drag': must be the last of 8, and {' not by waves, as ours'!r} follows: {quotes}",
+    ]
     (tmp_path / "q.csv").write_text("a,b\n1,2\n")
     with pytest.raises(StudyError, match="must be table, label"):
         report.published(tmp_path / "q.csv")
@@ -215,7 +236,7 @@ def test_a_bad_unit_is_refused_before_anything_runs(small, tmp_path):
 
 
 def test_labels_that_the_study_lacks_are_named(data, tmp_path):
-    """But for seas and platforms of another study, and what is not known before all tasks have run."""
+    """But for seas and platforms of another study, and what nobody knows before all tasks have run."""
     data = data.assign(status=(("platform", "seed"), [["done"] * 3]), task=(("platform", "seed"), [[*"abc"]]))
     said = {
         "float=fornt": "selection float = fornt: must be front, rear",
@@ -232,6 +253,10 @@ def test_labels_that_the_study_lacks_are_named(data, tmp_path):
         begun = data.assign(status=data.status.where(data.seed < 2, "missing"))
         inner = words if "seed" in words or "left out" in words else ""
         assert [text[24:] for text in report.strange(begun, [theirs])] == ([inner] if inner else [])
+    study = SimpleNamespace(floats=[SimpleNamespace(name=name) for name in ("front", "rear", "aft")], platform=None)
+    for name, words in (("fornt", "selection float = fornt: must be front, rear, aft"), ("aft", "")):
+        theirs = row(tmp_path / "p.csv", f"T,power,absorbed_power,float=front+{name},,2.0,kW,")
+        assert [text[24:] for text in report.strange(begun, [theirs], study)] == ([words] if words else [])
     other = row(tmp_path / "p.csv", "T,top,top_displacement,,,2.0,mm,")
     assert report.strange(data, [other]) == [
         "p.csv: row 1 = 'top': variable = top_displacement: is no output of this study"

@@ -375,7 +375,7 @@ def drawn(monkeypatch):
         names.append("page")
         path.with_name("report.html").touch()
 
-    def table(data, *rest):
+    def table(data, *rest, **_):
         names.append("table")
         rest[-1].print(rest[0][0].note if rest[:-1] else "a summary")
 

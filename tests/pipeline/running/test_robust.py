@@ -163,7 +163,7 @@ def test_disk_full(tmp_path):
         done = here("run", path, "--results", full, "--workers", 1)
         assert done.returncode == 1
         kept = "No space left on device; finished tasks are kept, and the same command goes on from here once that is"
-        assert kept in done.stderr
+        assert f"{full / path.stem}: {kept}" in done.stderr
         kept = len(contents(full))
         assert 0 < kept < 200
         assert here("verify", path, "--results", full).returncode == 0
@@ -233,8 +233,9 @@ def test_an_error_while_a_batch_is_written_leaves_no_part(small_study, results, 
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr("pipeline.results.store.flush", full)
-    with pytest.raises(OSError, match="No space"):
+    with pytest.raises(OSError, match="No space") as told:
         store.keep([(task, b"new", {}) for task in tasks[2:9]])
+    assert told.value.filename == str(store.root)
     assert not list(results.rglob("*.part"))
     assert [store.look(t, checksums=True).state for t in tasks[:3]] == ["done", "done", "missing"]
 

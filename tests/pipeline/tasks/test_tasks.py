@@ -16,6 +16,7 @@ from pipeline.study.tables import Unit, tables
 from pipeline.tasks.task import Parameters, Task, canonical, dimensions, expand, wave_seed
 from solver import scene as physics
 from solver.quantities import quantities
+from solver.sea import spectrum
 from solver.structure import members
 
 
@@ -89,6 +90,53 @@ def test_whatever_changes_the_physics_changes_the_id(buan_tables, table, key, va
     before = one(buan_tables, sea_state="2019", platform="elastic", seed=1).id
     buan_tables.setdefault(table, {})[key] = value
     assert one(buan_tables, sea_state="2019", platform="elastic", seed=1).id != before
+
+
+@pytest.mark.parametrize(
+    ("sea", "waves", "other_sea", "other_waves"),
+    [
+        ({}, {}, {"spectrum": "pierson-moskowitz", "form": "peak"}, {}),
+        ({}, {"form": "mean"}, {"form": "mean"}, {}),
+        ({}, {}, {"spectrum": "pierson-moskowitz"}, {"spectrum": "jonswap", "gamma": 2.0}),
+        ({}, {"spectrum": "jonswap", "gamma": 2.0}, {"gamma": 2.0}, {"spectrum": "jonswap"}),
+        ({}, {"spectrum": "jonswap"}, {"spectrum": "jonswap", "gamma": 3.3}, {"spectrum": "jonswap", "gamma": 2.0}),
+        ({"spectrum": "jonswap", "gamma": 3.3}, {}, {"spectrum": "jonswap"}, {"form": "mean"}),
+        ({"spectrum": "jonswap", "gamma": 2.0}, {}, {"spectrum": "jonswap", "form": "peak"}, {"gamma": 2.0}),
+        ({"kind": "white-noise"}, {}, {"kind": "white-noise"}, {"gamma": 2.0, "form": "mean"}),
+    ],
+)
+def test_however_a_sea_is_written_it_is_one(buan_tables, sea, waves, other_sea, other_waves):
+    """The first way is that of old results, whose names and waves stay."""
+
+    def written(sea, waves):
+        buan_tables["sea_states"]["2019"] = {"Hs": 1.0} | ({} if "kind" in sea else {"Tp": 6.0}) | sea
+        buan_tables["waves"] = {"band": [0.7, 3.4]} | waves
+        return one(buan_tables, sea_state="2019", platform="fixed", seed=1)
+
+    task, other = written(sea, waves), written(other_sea, other_waves)
+    assert (other.id, wave_seed(other.parameters)) == (task.id, wave_seed(task.parameters))
+    text = json.loads(task.parameters.canonical())
+    assert text["waves"] == {"band": [0.7, 3.4]} | waves
+    assert {key: text["sea_state"][key] for key in sea} == sea
+
+
+def test_a_sea_has_the_keys_of_its_spectrum():
+    for name, keys in seas.FURTHER.items():
+        shape = getattr(spectrum, "".join(map(str.capitalize, name.split("-"))))
+        assert {"Hs", "Tp", *keys} == {field.name for field in dataclasses.fields(shape)}
+
+
+def test_rules_of_outputs_that_there_are_not_do_not_change_the_id(buan_tables):
+    def named(outputs, **rules):
+        buan_tables["record"] |= {"outputs": outputs, **rules}
+        return {p: one(buan_tables, sea_state="2019", platform=p, seed=1).id for p in ("elastic", "fixed")}
+
+    rules = {"fatigue": {"scf": 1.7}, "utilisation": {"material_factor": 1.3}}
+    for asked, needs in ((["fatigue"], "fatigue"), (["utilisation"], "utilisation")):
+        before = named(asked, fatigue={}, utilisation={})
+        for key, rule in rules.items():
+            changed = named(asked, **{"fatigue": {}, "utilisation": {}, key: rule})
+            assert changed["fixed"] == before["fixed"] and (changed["elastic"] == before["elastic"]) == (key != needs)
 
 
 @pytest.mark.parametrize("key", ["mass", "cog", "hinge", "pto_damping"])
