@@ -9,7 +9,7 @@ from solver import limits
 from solver.balance import OUT, heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.swing import inside
-from solver.mooring import odd_lines
+from solver.mooring import line_pulls, odd_lines
 from solver.scene import DOFS, LEVEL, Float, Platform, Scene, load_unit_along, poses, unit_along
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS
@@ -255,6 +255,23 @@ def of_motions(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarra
     yield from swung(scene, axes, tables)
     yield from strayed(scene, axes, tables)
     yield from shoved(scene, axes, tables)
+    yield from snapped(scene, tables)
+
+
+def snapped(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for each line, taut at rest, whose least tension is less than its weight in water."""
+    if "line_tension" not in tables:
+        return
+    least = iter(tables["line_tension"][:, STATISTICS.index("min")])
+    for f in scene.floats:
+        for number, (line, pull) in enumerate(zip(f.lines, line_pulls(f.lines, f.centre), strict=True), 1):
+            weight, tension = line.weight * line.length, next(least)
+            if tension < weight < np.linalg.norm(pull):
+                yield (
+                    f"floats.{f.name}.lines: line {number}, {np.linalg.norm(pull):.4g} N at rest, goes slack, down to"
+                    f" {tension:.4g} N: as it snaps a run depends on its last digits, which the estimated error does"
+                    " not tell; other steps or seeds tell how much"
+                )
 
 
 def shoved(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:

@@ -11,7 +11,7 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from solver.limits import pushed
 from solver.mooring import Line
-from solver.oddities import beyond_tables, overdamped, shoved, warnings
+from solver.oddities import beyond_tables, overdamped, shoved, snapped, warnings
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.run import simulate
 from solver.scene import EndStops
@@ -277,3 +277,16 @@ def test_a_mean_that_the_incident_waves_alone_make_is_told(froude_krylov, pull, 
     table[..., STATISTICS.index("std")], table[:, 0, STATISTICS.index("mean")] = 1.0, 0.2
     said = "; ".join(shoved(item, ["surge", "heave", "pitch"], {"motion": table}))
     assert ("floats.barge: its mean surge, 0.2 m, is by the incident waves' pressure" in said) == told
+
+
+@pytest.mark.parametrize(("length", "least", "told"), [(27.4, 5e3, True), (27.4, 2e4, False), (31.0, 1e3, False)])
+def test_a_taut_line_that_goes_slack_is_told(length, least, told):
+    """Below its own weight, 8.2 kN; a chain that hangs bears less at rest."""
+    item, _ = soft_mooring()
+    (barge,) = item.floats
+    line = Line(anchor=(0.0, 0.0, -30.0), fairlead=(0.0, 0.0, -2.5), length=length, weight=300.0, EA=2e7)
+    item = replace(item, floats=(replace(barge, lines=(line,)),))
+    table = np.full((1, 5), least)
+    said = "; ".join(snapped(item, {"line_tension": table}))
+    assert (f"floats.barge.lines: line 1, 7.71e+04 N at rest, goes slack, down to {least:.4g} N" in said) == told
+    assert not told or not list(snapped(item, {}))

@@ -35,6 +35,7 @@ from solver.record.probe import UNTOLD, knows_finer, with_tables
 from solver.record.spectra import bands, crossings, moments
 from solver.scene import Scene, require_waves
 
+NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
 LEFT_OUT = "displacement_envelope, stress_envelope"  # how the nodes' motions go together in time
 
 
@@ -93,6 +94,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
         *drag_driven(of_drag.extremes),
         *skewed(turning.extremes),
+        *([NO_BALANCE] if turning.error == UNTOLD else []),
         *slipping,
         *above(scene, tables),
         *unjudged(hydrodynamics),
