@@ -1,9 +1,11 @@
-"""What the members' linearised drag leaves out of a frame's statistics: estimated as if it moved without swinging.
+"""What the members' linearised drag leaves out of a frame's statistics, by how far from Gaussian drag is.
 
 Drag is |z|z of a normal number z, which has 3π/8 of the variance of its linear part and is far from Gaussian: ⟨z⁸⟩ is
 35/3 of ⟨z⁴⟩². Where it makes a part S of a stress by bending, and all else a Gaussian rest s, that stress is
 
-    S |z|z/√3 + s ξ,   of one wave S (3π/8) |cos|cos and what else there is.
+    S |z|z/√3 + s ξ,   of one wave S (3π/8) |cos|cos and what else there is;
+
+of a frame that swings among the waves S is the part that is as far from Gaussian, the rest rest: see `_kept`.
 
 Its higher orders are lines of the case below the fastest wave (see beyond). Of those above it no line tells: a quarter
 of the third order, at sums of three frequencies, and of one wave all that is at three times its frequency.
@@ -21,6 +23,7 @@ from solver.lines import real_by_complex
 from solver.statistics import FAINT, STATISTICS
 
 WHOLE = 3 * np.pi / 8  # variance of |z|z over that of its linear part; over |cos|cos the size of its linear part
+BINS = 512  # of frequencies up to the fastest wave's
 LITTLE = 2e-2  # share of the variance of the legs' tops below which no statistic of their stress is off by 1e-3
 
 
@@ -59,17 +62,39 @@ def drag_effect(
     error = float(np.max(np.hypot(1, missing / std) - 1, initial=0.0))
     if not np.any(driven**2 > LITTLE * std**2):
         return Effect(error, 1.0)
-    extremes = 1.0
+    extremes, kept = 1.0, 1.0
     if waves > 1:
+        kept = _kept(case, tops[:, moved][:, np.argmax(driven)], p[:waves], push)
+        driven *= kept
         peak = gaussian.peak(response.X[:, :nm] @ tops[:, moved], case.omega, case.duration)
         extremes = _beyond_rayleigh(driven, std, peak)
     if channels.steel is not None:
         first = channels.legs.first
         mean, whole = (channels.steel.compression(y)[:, first] for y in (level, lines))
-        part = channels.steel.compression(_forces_by_drag(case, response, p[:waves]))[:, first]
+        part = kept * channels.steel.compression(_forces_by_drag(case, response, p[:waves]))[:, first]
         changes = _of_one(mean[0], whole[0], part[0]) if waves == 1 else _of_sea(mean[0], whole, part)
         error = max(error, _apart(told["bottom_stress"][first], *changes))
     return Effect(error, extremes)
+
+
+def _kept(case: Case, top: np.ndarray, p: np.ndarray, push: np.ndarray) -> float:
+    """Share of what drag moves, of its foremost mode, that is as far from Gaussian as the drag: all where it follows.
+
+    A mode that swings adds up many of its forces q, unit normal ones of std σ: with R the covariance of its part D of
+    a top's motion, std S, and q before, and a third of q³ - 3q beside each 2q of |q|q, ⟨D³D₃⟩ = σ ∫ h(τ) R(τ)³ dτ, h
+    from force to motion; where it follows S⁴. top (nm,), modes p and drag's forces on them (nw, nm).
+    """
+    m, (w, structure) = int(np.argmax(np.abs(top) * np.linalg.norm(p, axis=0))), (case.waves, case.system.structure)
+    D, Q, step = top[m] * p[:, m], push[:, m], w.max() / BINS
+    S, sigma = gaussian.spread(np.stack([D, Q], axis=1))
+    power, place = D * Q.conj() / sigma, np.rint(w / step).astype(int)
+    c = np.bincount(place, power.real, 4 * BINS + 1) - 1j * np.bincount(place, power.imag, 4 * BINS + 1)
+    three = np.fft.rfft((2 * BINS * np.fft.irfft(c)) ** 3) / (8 * BINS)
+    at = step * np.arange(three.size)
+    three[1:] *= 2
+    own, h = structure.omega[m], structure.damping[m]
+    gain = top[m] / (own * (own - 2j * h * at) - at**2)
+    return float(np.clip(sigma * np.sum(three * gain).real / S**4, 0.0, 1.0) ** 0.25)
 
 
 def _beyond_rayleigh(driven: np.ndarray, std: np.ndarray, peak: np.ndarray) -> float:
