@@ -70,14 +70,15 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
 
 
 def _stability(system: System, joints: np.ndarray) -> str:
-    """How far from rest a hinge that is beyond its bounds rights itself, for the message that says so."""
+    """Between which angles a hinge that is beyond its bounds rights itself, for the message that says so."""
     bodies, carriers = system.bodies, system.bodies.mechanism.size - joints.size
     if (first := limits.beyond(system.scene, joints, bodies.limit)) is None:
         return ""
     i, item, axis = first
     if slides(axis) or np.isinf(most := falls_at(item.direction(axis))):
         return ""
-    back, forth = righting(bodies, system.equilibrium[0], carriers + i, most)
+    rest = system.equilibrium[0]
+    back, forth = (rest[carriers + i] + way for way in righting(bodies, rest, carriers + i, most))
     return f"; in still water it rights itself between {back:+.2f} and {forth:+.2f} rad"
 
 

@@ -8,6 +8,7 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
+from solver.coupled.blocks import _stability
 from solver.coupled.equilibrium import righting
 from solver.coupled.linear import linear_model
 from solver.coupled.natural import (
@@ -325,6 +326,12 @@ def test_how_far_from_rest_a_hinge_is_pushed_back(side):
     lost = 2 * np.arctan(b / abs(c))
     expected = (-lost, 1.5) if side > 0 else (-1.5, lost)
     assert righting(system.bodies, system.equilibrium[0], 0, 1.5) == approx(expected, abs=0.016)
+    # With another load it rests at 0.1 rad, and the message counts from where it is given, as its angle does.
+    load = -BUOYED * 9.81 * (c * np.cos(0.1) - b * np.sin(0.1))
+    leaning = prepare(scene([replace(ball, preload=load)], radiation=False, diffraction=False), None)
+    lost = -2 * np.arctan2(b, abs(c)) * side - 0.1
+    told = re.search(r"between (\S+) and (\S+) rad", _stability(leaning, np.array([4.0])))
+    assert any(float(angle) == approx(lost, abs=0.025) for angle in told.groups())
 
 
 def heaving(**keys):
