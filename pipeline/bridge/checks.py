@@ -52,13 +52,16 @@ SURVIVING = ("floats", "left_out", "platform", "solver")  # tables and keys of w
 Judge = Callable[[StudyFile], Iterable[InputError]]
 
 
-def problems(study: StudyFile) -> list[InputError]:
-    """Everything wrong with a study whose types and ranges are right; what its parts lack before what they make."""
+def problems(study: StudyFile, *, based: bool = False) -> list[InputError]:
+    """Everything wrong with a study whose types and ranges are right; what its parts lack before what they make.
+
+    based: whether it stands on another, of which no table can be taken back.
+    """
     later: tuple[Judge, ...] = (
         _overlaps,
         _variants,
         _empty,
-        _idle,
+        *([] if based else [_idle]),
         partial(_at_each_value, judge=_contents),
         partial(_at_each_value, judge=_scenes),
         _together,

@@ -12,6 +12,6 @@ from pipeline.tasks.study import Study
 def load(path: Path) -> Study:
     """Read and check a study file; raise StudyError."""
     content, bases = parsed(path)
-    if problems := checks.problems(content):
+    if problems := checks.problems(content, based=bool(bases)):
         raise StudyError(path, map(str, problems))
     return Study(path=path, content=content, bases=bases)

@@ -39,11 +39,11 @@ NOTE = (
 )
 PAIRED = (
     f" The next best has less by the mean of the differences in the same waves, in brackets {LEVEL:.0%}; undecided: 0"
-    " is among these."
+    " is among these; others undecided: not of the next best but of one with less."
 )
 OF_ERRORS = (
-    " What the records of both may be off by, by their estimated_error, is undecided, too. An end that is not decided"
-    " against the number beside it is not told."
+    " A difference that the records of two designs may be off by, by their estimated_error, is undecided as well. An"
+    " end that is not decided against the number beside it is not told."
 )
 
 
@@ -53,7 +53,7 @@ class _Compared(NamedTuple):
     mean: xr.DataArray  # power; NaN of those that are not compared
     at: dict[Hashable, int]  # place of the best
     ahead: xr.DataArray  # what the best has more than each, in the same realizations, along `estimate`
-    error: xr.DataArray  # what their records leave of that
+    error: xr.DataArray  # what that may be off by, as their records are
 
     @property
     def least(self) -> float:
@@ -66,10 +66,12 @@ class _Compared(NamedTuple):
         several = int(self.mean.notnull().sum()) > 1
         return several and float(self.mean.max() - self.mean.min()) <= self.least
 
-    def undecided(self, at: dict[Hashable, int]) -> bool:
-        """Whether another may be as good as the best, by the scatter of realizations or by what records are off by."""
-        value, low, _ = self.ahead.isel(at).values
-        return bool(low <= self.least or value < self.error.isel(at))
+    @property
+    def undecided(self) -> xr.DataArray:
+        """Which others may be as good as the best, by the scatter of realizations or by what records are off by."""
+        value, low = (self.ahead.sel(estimate=name, drop=True) for name in ("value", "low"))
+        differs = self.mean < self.mean.isel(self.at, drop=True) - self.least
+        return differs & ((low <= self.least) | ~(value >= self.error))
 
 
 def table(data: xr.Dataset) -> Table:
@@ -82,7 +84,7 @@ def table(data: xr.Dataset) -> Table:
     first = ("", "most power with", f"mean {OF[variable]} power [{unit}W]", "low", "high")
     second = ("next best", f"less by [{unit}W]") if _several(data) else ()
     lines = list(rows(data, variable, scale))
-    note = NOTE + PAIRED * bool(second) + OF_ERRORS + remarks(lines)
+    note = NOTE + PAIRED * bool(second) + OF_ERRORS * ("estimated_error" in data) + remarks(lines)
     return Table(TITLE, (*first, *second, "realizations"), lines, note)
 
 
@@ -113,9 +115,8 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
             chosen = "any" if of.alike else ", ".join(named_by)
             if (known := int(mean.notnull().sum())) < mean.size:
                 chosen += f" (of {known} among {mean.size})"
-            second = _next_best(of, scale)
-            if not _several(data):
-                chosen, second = chosen + " (undecided)" * second[1].endswith("undecided"), ()
+            chosen += " (undecided)" * bool(not _several(data) and of.undecided.any())
+            second = _next_best(of, scale) if _several(data) else ()
             power = marked(found.isel(at).values, error.isel(at), scale)
             yield label, chosen, *power, *second, counted(each.isel(at))
 
@@ -135,7 +136,7 @@ def _whole(each: xr.DataArray, designs: Sequence[Hashable]) -> xr.DataArray:
     return whole.all([dim for dim in ("sea_state", "seed") if dim in whole.dims])
 
 
-def _next_best(of: _Compared, scale: float) -> tuple[str, ...]:
+def _next_best(of: _Compared, scale: float) -> tuple[str, str]:
     """The one with the most power of those that differ from the best, by where they do, and by how much, over scale."""
     others = of.mean.where(of.mean < of.mean.isel(of.at) - of.least)
     if others.isnull().all():
@@ -143,7 +144,10 @@ def _next_best(of: _Compared, scale: float) -> tuple[str, ...]:
     at = {dim: int(place) for dim, place in others.argmax([*of.at]).items()}
     label = ", ".join(_label(of.mean[dim], place) for dim, place in at.items() if place != of.at[dim])
     less, low, high = texts(of.ahead.isel(at).values / scale)
-    return label, less + f" [{low}, {high}]" * (low != "-") + " undecided" * of.undecided(at)
+    less += f" [{low}, {high}]" * (low != "-")
+    if of.undecided.any():
+        less += " undecided" if of.undecided.isel(at) else " others undecided"
+    return label, less
 
 
 def _label(axis: xr.DataArray, place: int) -> str:
@@ -170,4 +174,4 @@ def _at_end(of: _Compared, dim: Hashable) -> bool:
     mean = of.mean.isel(at).values
     order = [int(i) for i in np.argsort(numbers) if not np.isnan(mean[i])]
     beside = order[:2][-1] if order[0] == place else order[-2]
-    return bool(np.nanmax(mean) - np.nanmin(mean) > of.least) and not of.undecided({**at, dim: beside})
+    return bool(np.nanmax(mean) - np.nanmin(mean) > of.least) and not of.undecided.isel({**at, dim: beside})

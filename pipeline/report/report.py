@@ -141,7 +141,7 @@ def _misread(row: dict[str, Any]) -> Iterator[str]:
 
 
 def _pairs(row: dict[str, str]) -> list[str]:
-    return [pair for pair in row["selection"].split(";") if pair]
+    return ["=".join(map(str.strip, pair.split("="))) for pair in row["selection"].split(";") if pair.strip()]
 
 
 def _row(path: Path, place: str, row: dict[str, str]) -> Published:

@@ -80,8 +80,15 @@ def realized(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
 
 
 def failures(values: xr.DataArray) -> xr.DataArray:
-    """How many realizations of all sea states failed, of values that are `realized`: their means leave them out."""
-    return values[FAILED].sum(_tasks(values[FAILED])).drop_vars(BESIDE, errors="ignore")
+    """How many realizations of all sea states failed, of values that are `realized`: their means leave them out.
+
+    Of sea states of the same waves one counts.
+    """
+    failed = values[FAILED]
+    if "sea_state" in failed.dims:
+        keys = _waves(values)
+        failed = failed.isel(sea_state=[i for i, key in enumerate(keys) if keys.index(key) == i])
+    return failed.sum(_tasks(failed)).drop_vars(BESIDE, errors="ignore")
 
 
 def with_errors(data: xr.Dataset, values: xr.DataArray, size: xr.DataArray) -> xr.DataArray:
@@ -90,8 +97,9 @@ def with_errors(data: xr.Dataset, values: xr.DataArray, size: xr.DataArray) -> x
 
 
 def off(each: xr.DataArray, weights: Any) -> xr.DataArray:
-    """What the mean of `over_seas` may be off by as records are, by errors of one kind, which add up; 0 if unknown."""
-    return _weighted(each.coords.get(ERROR, 0.0 * each), weights)[0].fillna(0.0)
+    """What the mean of `over_seas` may be off by as records are, by errors of one kind, which add up; 0 of records that
+    tell none, NaN where some do not."""
+    return _mean(_by_task(each.coords.get(ERROR, 0.0 * each.fillna(0.0))), weights)
 
 
 def _tasks(values: xr.DataArray) -> list[Hashable]:
@@ -106,28 +114,43 @@ def _means(each: xr.DataArray) -> _Mean:
 
 def _weighted(each: xr.DataArray, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
     """Mean over sea states, its standard error, and degrees of freedom."""
-    each = each.drop_vars(BESIDE, errors="ignore")
-    each = each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
+    each = _by_task(each)
     of, w = _means(each), occurrence(weights, each)
     alike = _of_alike(each, w)
     # Sums over sea states, of which k alike have Σ w alike = alike² together and not Σ w².
     variance = (w * alike * of.variance).sum("sea_state", skipna=False)
     squares = w * alike**3 * of.variance**2 / (of.number - 1).where(of.number > 1)
     freedom = variance**2 / squares.sum("sea_state", skipna=False)
-    return (w * of.mean).sum("sea_state", skipna=False), variance**0.5, freedom
+    return _mean(each, weights), variance**0.5, freedom
+
+
+def _by_task(each: xr.DataArray) -> xr.DataArray:
+    """Numbers alone, with realizations and sea states."""
+    each = each.drop_vars(BESIDE, errors="ignore")
+    return each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
+
+
+def _mean(each: xr.DataArray, weights: Any) -> xr.DataArray:
+    """Over realizations and sea states."""
+    return (occurrence(weights, each) * each.mean("seed")).sum("sea_state", skipna=False)
 
 
 def _of_alike(each: xr.DataArray, w: xr.DataArray) -> xr.DataArray:
     """Weight of all sea states that have the numbers of each, in every realization."""
     import xarray as xr
 
-    def summed(x: np.ndarray, w: np.ndarray) -> np.ndarray:
-        return np.stack([(x == x[..., [j], :]).all(-1) @ w for j in range(x.shape[-2])], axis=-1)
+    total: dict[bytes, float] = {}
+    keys = _waves(each)
+    for key, share in zip(keys, w.values, strict=True):
+        total[key] = total.get(key, 0.0) + share
+    return xr.DataArray([total[key] for key in keys], dims="sea_state")
 
-    core = [["sea_state", "seed"], ["sea_state"]]
-    known = each.fillna(np.inf)  # a number that failed is as another that did
-    found: xr.DataArray = xr.apply_ufunc(summed, known, w, input_core_dims=core, output_core_dims=core[1:])
-    return found
+
+def _waves(each: xr.DataArray) -> list[bytes]:
+    """What sea states of the same waves, which are the same tasks, have alike; one without numbers is like no other."""
+    known = each.fillna(np.inf).transpose("sea_state", ...).values  # a number that failed is as another that did
+    rows = known.reshape(len(known), -1)
+    return [row.tobytes() if np.isfinite(row).any() else bytes(i) for i, row in enumerate(rows)]
 
 
 def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:

@@ -103,7 +103,7 @@ def appearing(path: Path) -> Iterator[Path]:
     except BaseException as error:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.filename in (None, str(part)):
+        if isinstance(error, OSError) and error.strerror and error.filename in (None, str(part)):
             error.filename = str(path)
         raise
 
@@ -264,7 +264,7 @@ class Store:
             for part, _ in parts:
                 with contextlib.suppress(OSError):
                     part.unlink(missing_ok=True)
-            if isinstance(error, OSError) and error.filename is None:  # of a disk that is full
+            if isinstance(error, OSError) and error.strerror and error.filename is None:  # of a disk that is full
                 error.filename = str(self.root)
             raise
 

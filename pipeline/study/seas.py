@@ -176,8 +176,8 @@ def height(sea: SeaState) -> float:
 def deciding(sea: SeaState, waves: Waves) -> tuple[SeaState, Waves]:
     """Both without what decides nothing in this sea, as how often it comes; what it says of its shape goes to [waves].
 
-    Ids of old results have two exceptions: a spectrum stays in the sea that alone has it, where it is not the usual
-    one, and [waves] keep theirs in seas that have no such shape.
+    Ids of old results have three exceptions: a spectrum stays in the sea that alone has it, where it is not the usual
+    one, [waves] keep theirs in seas that have no such shape, and their band and heading in still water.
     """
     sea = sea.model_copy(update={"occurrence": None})
     if not is_random(sea):

@@ -1,5 +1,7 @@
 """Currents, marine growth and loads of a study reach the solver; what is wrong with them is told by file and key."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from pytest import approx
@@ -14,6 +16,8 @@ from pipeline.tasks.task import expand
 from solver.structure import modes
 from solver.structure.members import MarineGrowth
 from tests.pipeline.conftest import SMALL
+
+ROOT = Path(__file__).parents[3]
 
 WIND = "# gusts\ntime [s], Fz [N], Fx [N]\n0, -10, 100\n2000, 10, 300\n5000, 0, 0\n"
 LOADED = """
@@ -72,6 +76,12 @@ def test_rules_of_outputs_that_nobody_asks_for_are_refused(study_with, name, rul
     with pytest.raises(StudyError, match=limit):
         study_with(f"{outputs}[variants.a]\n[variants.b]\nrecord.{name}.{rule}\n", text=text)
     study_with(f'{outputs}{rules}[variants.a]\n[variants.b]\n"record.outputs" = ["{name}"]\n', text=text)
+
+
+def test_rules_of_a_base_are_let_pass(tmp_path):
+    """No study that stands on it can take them back."""
+    (tmp_path / "on.toml").write_text(f'base = "{ROOT}/studies/buan-fatigue.toml"\n[record]\noutputs = ["reactions"]\n')
+    assert load(tmp_path / "on.toml").content.record.outputs == ("reactions",)
 
 
 def test_what_utilises_tubes_reaches_the_solver(study_with):

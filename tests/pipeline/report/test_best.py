@@ -193,6 +193,17 @@ def test_what_records_may_be_off_by_is_undecided():
         assert single == ["hinge_spacing 4" + (f" ({told})" if told else " (an end)")] * 3
 
 
+def test_a_worse_design_whose_records_tell_less_may_be_as_good():
+    """Not only the next best is asked; nor does an error that is not known decide anything."""
+    data = of_spacing(*2 * [[[5.0, 5.001], [4.0, 4.001], [3.0, 3.001]]])
+    data = xr.concat([data, data], "statistic").assign_coords(statistic=["mean", "rms"])
+    one = xr.DataArray(np.ones((2, 2)), dims=["sea_state", "seed"])
+    for last in (0.9, np.nan):
+        known = data.assign(estimated_error=one * xr.DataArray([0.01, 0.01, last], dims="hinge_spacing"))
+        single, both = table(known.isel(seed=[0])).lines[0], table(known).lines[0]
+        assert single[1].endswith(" (undecided)") and both[6].endswith("] others undecided")
+
+
 def test_an_end_is_decided_against_the_number_beside_it():
     """Of those that are compared: what is far better than the other end may be no better than what is beside it."""
     scatter = np.array([-0.01, 0.01])

@@ -50,6 +50,17 @@ def test_sea_states_of_the_same_waves_are_one():
     same, other = np.array([1.0, 3.0, 2.0, np.nan]) * 1e-6, np.array([9.0, 7.0, 8.0, 5.0]) * 1e-6
     found = lives(dataset([same, other, same]), weights=[0.1, 0.5, 0.4]).damage
     assert found.values == approx(lives(dataset([same, other]), weights=[0.5, 0.5]).damage.values)
+    status = (("sea_state", "seed"), [["done"] * 3 + ["failed"], ["done"] * 4, ["done"] * 3 + ["failed"]])
+    assert int(lives(dataset([same, other, same]).assign(status=status)).failed_realizations.max()) == 1
+    none = dataset([[1e-6, np.nan], [np.nan, np.nan], [np.nan, np.nan]])
+    failed = none.assign(status=(("sea_state", "seed"), [["done", "failed"]] + [["failed", "failed"]] * 2))
+    assert int(lives(failed).failed_realizations.isel(leg=0, fibre=0)) == int(lives(failed).failed_realizations.max())
+
+
+def test_numbers_may_lie_in_files():
+    """As xarray.open_mfdataset leaves them."""
+    data = dataset([[1e-6, 3e-6], [2e-6, 5e-6], [1e-6, 3e-6]])
+    assert lives(data.chunk()).damage.values == approx(lives(data).damage.values)
 
 
 def test_seas_that_an_axis_makes_count_alike():
