@@ -125,7 +125,8 @@ def radiated(system: System, h: Hydrodynamics) -> Impedance:
 def slow_load(omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, duration: float) -> Slow:
     """Of waves a (nw,) with loads F (nw, n) each: Σ 2|aᵢaⱼ|² ¼(Tᵢ + Tⱼ)(Tᵢ + Tⱼ)ᵀ over their pairs, at |ωᵢ - ωⱼ|;
 
-    of many spread by g(|ωᵢ - ωⱼ| - μ), g a band as spectra have them.
+    of many, with each beside itself, spread by g(|ωᵢ - ωⱼ| - μ), g a band as spectra have them, as wide as waves are
+    apart at least: they stand for a spectrum, in which each has others as near.
     """
     n, squares = loads.shape[1], np.abs(amplitude) ** 2
     if len(omega) <= FEW:
@@ -134,12 +135,11 @@ def slow_load(omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, durat
             loads[i] * np.sqrt(squares[j] / squares[i])[:, None] + loads[j] * np.sqrt(squares[i] / squares[j])[:, None]
         )
         return Slow(np.abs(omega[i] - omega[j]), 0.5 * both[:, :, None] * both[:, None], lines=True)
-    width = bands(omega, duration).width
+    width = max(bands(omega, duration).width, float(np.ptp(omega)) / (len(omega) - 1))
     mu, apart = np.arange(0, np.ptp(omega) + width, width), omega[:, None] - omega
     spectrum = np.empty((len(mu), n, n))
     for k, at in enumerate(mu):
         g = np.exp(-0.5 * ((apart - at) / width) ** 2) / (width * np.sqrt(2 * np.pi))
-        np.fill_diagonal(g, 0.0)
         g = g + g.T
         spectrum[k] = 0.5 * ((loads * (g @ squares / squares)[:, None]).T @ loads + loads.T @ g @ loads)
     return Slow(mu, spectrum, lines=False)

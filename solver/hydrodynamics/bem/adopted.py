@@ -76,7 +76,6 @@ def adopted(
     six, notes = agreement.agreed(six, floats, expected)
     if waves:
         _require_covered(given, *waves)
-    six = about(six, centres)
     doubt = agreement.require_moments(six, floats, expected)
     damping = require_damping(six, moved, names)
     require_energy(six, floats, moved)

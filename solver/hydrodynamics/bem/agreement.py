@@ -22,22 +22,25 @@ SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where 
 
 
 def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, dict[str, str]]:
-    """The coefficients, moved to the float where one body's alone fit better there, and what to note of
-    that; InputError on a misfit.
+    """The coefficients about the floats' centres, one body's moved to where it fits better, and what to note of that;
+    InputError on a misfit.
 
     expected (nw, 6 nb): Froude-Krylov force on the hulls.
     """
     _require_stiffness(six, floats)
-    tries = [(six, "")]
+    tries = [(about(six, floats.centres), "")]
     if len(floats.hulls) == 1:
         for x, y, _ in dict.fromkeys((tuple(floats.points[0]), tuple(floats.centres[0]))):
-            tries.append((_moved(six, floats.sea, x, y), f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"))
+            moved = about(_moved(six, floats.sea, x, y), floats.centres)
+            tries.append((moved, f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"))
     found, note = min(tries, key=lambda of: _misplaced(of[0], floats, expected))
     long = in_long_waves(found, floats, expected)
     if not long.rows.any():
-        return six, {UNJUDGED: "no waves long against the hulls are among the frequencies: forces were not judged"}
+        return tries[0][0], {
+            UNJUDGED: "no waves long against the hulls are among the frequencies: forces were not judged"
+        }
     if long.off > 1:
-        raise InputError(KEY, six.name, misfit(six, floats, expected))
+        raise InputError(KEY, six.name, misfit(tries[0][0], floats, expected))
     return found, {"note": note} if note else {}
 
 
@@ -49,7 +52,7 @@ def _misplaced(six: Given, floats: Floats, expected: np.ndarray) -> tuple[bool, 
     size = float(np.sum(k[long.rows, None] * np.abs(both)))
     away = float(np.sum(np.abs(both.imag))) / size if size else 0.0
     if six.points is not None:
-        away += max(float(np.linalg.norm(d)) for d, _ in _places(about(six, floats.centres), floats, expected))
+        away += max(float(np.linalg.norm(d)) for d, _ in _places(six, floats, expected))
     return long.off > 1, away
 
 

@@ -20,6 +20,7 @@ LONG = 0.5  # ka of waves that are long; up to twice that where there are no lon
 FELT = 0.02  # of the largest force on a body: of less the phase is not judged
 NEAR = 0.1  # of the force of long waves: how far off that told may be,
 NEARLY = 0.5  # and √n of it times (ka)², of n bodies; ka besides of what others scatter
+PISTON = 0.7  # of the frequency of water in a well, (g/draft)^½: slower waves do not make it swing
 STILL = 1e-6  # of the largest motion through the hull's surface: less is none
 
 
@@ -51,7 +52,9 @@ def in_long_waves(six: Given, floats: Floats, expected: np.ndarray | None = None
         expected = froude_krylov(floats.hulls, floats.centres, DOFS, floats.sea, six.omega)
     each = _scattered(six, floats)[rows]
     told, fits = six.excitation[rows, 0], expected[rows] + each.sum(axis=2)
-    off, where = _off(told, fits, each, k[rows], floats) if rows.any() else (0.0, (0, 0))
+    off, where = (
+        _off(told, fits, each, k[rows], _swinging(six.omega[rows], floats), floats) if rows.any() else (0.0, (0, 0))
+    )
     return Long(rows, told, fits, off, where)
 
 
@@ -86,6 +89,12 @@ def _scattered(six: Given, floats: Floats) -> np.ndarray:
     return (Z * u[:, None]).reshape(*u.shape, -1, 6).sum(axis=3)
 
 
+def _swinging(omega: np.ndarray, floats: Floats) -> np.ndarray:
+    """Where water in a body's well may swing, and do to its heave what long waves do not tell (nw, nb)."""
+    piston = [np.sqrt(floats.sea.gravity / h.draft) if h.waterplane_width < np.inf else np.inf for h in floats.hulls]
+    return omega[:, None] > PISTON * np.array(piston)
+
+
 def long_waves(ka: np.ndarray) -> np.ndarray:
     """Which frequencies are judged: the three longest waves at most in number beyond LONG."""
     some = ka <= LONG
@@ -102,12 +111,13 @@ def felt(expected: np.ndarray) -> np.ndarray:
 
 
 def _off(
-    told: np.ndarray, fits: np.ndarray, each: np.ndarray, k: np.ndarray, floats: Floats
+    told: np.ndarray, fits: np.ndarray, each: np.ndarray, k: np.ndarray, swinging: np.ndarray, floats: Floats
 ) -> tuple[float, tuple[int, int]]:
     """How far a force (nw, 6 nb) is from that of long waves, over how far it may be, and where most: row, column.
 
     The largest body counts, how many there are, and what the others scatter, of each (nw, 6 nb, nb). Forces that are
-    small on their body are judged beside the others in plan, or all: a turn makes one of another.
+    small on their body are judged beside the others in plan, or all: a turn makes one of another. swinging (nw, nb):
+    where heave is not judged.
     """
     nb = len(floats.hulls)
     ka = k[:, None, None] * max(h.size for h in floats.hulls)
@@ -117,6 +127,7 @@ def _off(
     size = np.where(size > FELT * largest, size, np.concatenate([level, level, largest], axis=2))
     judged = (size > FELT * largest) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
     may = (NEAR + NEARLY * np.sqrt(nb) * ka**2) * size + ka * others
+    judged[..., 2] &= ~swinging
     off = np.where(judged, away / np.where(judged, may, 1.0), 0.0)
     row, b, d = np.unravel_index(off.argmax(), off.shape)
     return float(off[row, b, d]), (int(row), int(6 * b + d))

@@ -20,6 +20,7 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.infinite import Share, damping_share, infinite_added_mass
 from solver.sea.dispersion import group_velocity
 
+LEANS = 0.1  # of what a motion sends out: more of the other kind makes it none of one kind
 ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
 DAMPED = 0.1  # of the largest damping: of less energy is not judged
 ALIKE_FAR = 1.0  # kd of two bodies up to which both send out rings of one shape,
@@ -82,6 +83,7 @@ def _require_power(six: Given, A: np.ndarray, B: np.ndarray, share: Share, words
 def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
     """Refuse a damping of motions `needed` that does not go with the wave force; of several bodies, in long waves.
 
+    Not where heave sends out much as a dipole and motions along the waves as a source, as of a plate that leans.
     Dipoles D of motions along x and y, symmetric, make X = De along e, and B of D² whatever the hull's own axes are.
     """
     sea, hulls = floats.sea, floats.hulls
@@ -90,15 +92,19 @@ def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
     some = np.ones(len(k), bool) if round_one else long_waves(k * max(h.largest_radius for h in hulls))
     each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
     e = np.array([np.cos(sea.heading), np.sin(sea.heading)])
-    for b, name in enumerate(floats.names):
+    for b, (name, hull) in enumerate(zip(floats.names, hulls, strict=True)):
         x = 6 * b
+        A, displaced = six.added_mass[:, x : x + 3, x : x + 3], sea.density * hull.volume
+        across, along = np.linalg.norm(A[:, 2, :2], axis=1), displaced + e @ A[:, :2, :2] @ e
+        source = np.abs(sea.density * hull.waterplane[0] - k * (displaced + A[:, 2, 2]))
+        upright = {"in heave": k * across < LEANS * source, "along the waves": across < LEANS * along}
         level = [x + i for i in (0, 1) if abs(e[i]) > ALONG]
         tries = {
             "in heave": ([x + 2], X[:, x + 2 : x + 3], B[:, x + 2, x + 2], 4),
             "along the waves": (level, X[:, x : x + 2], e @ B[:, x : x + 2, x : x + 2] @ e, 8),
         }
         for way, (motions, pushed, damping, share) in tries.items():
-            judged = some & (damping > DAMPED * np.max(damping[some], initial=0.0))
+            judged = some & upright[way] & (damping > DAMPED * np.max(damping[some], initial=0.0))
             if not np.isin(motions, needed).all() or not judged.any():
                 continue
             force = np.sum(np.abs(pushed) ** 2, axis=1)

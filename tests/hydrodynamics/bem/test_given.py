@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from solver.errors import InputError
 from solver.hydrodynamics.bem import agreement, bem, radiated
 from solver.hydrodynamics.bem.adopted import _between, adopted
-from solver.hydrodynamics.bem.coefficients import DOFS, unjudged
+from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, unjudged
 from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import Given, turned
 from solver.hydrodynamics.bem.incident import Sea
@@ -665,6 +665,29 @@ def test_one_float_alone_is_moved_by_its_own_point_near_places_too():
             found = adopted(given, (HULLS[1],), away + step, ("rear",), **WATER, planar=False, points=own + step)
             assert found.settings["note"] == f"computed at x = y = 0, moved to ({step[0]:g}, {step[1]:g}) m"
             same(found, there)
+
+
+@cache
+def pair_apart():
+    apart = np.array([[-20.0, 0.0, 0.0], [20.0, 0.0, 0.0]])
+    return apart, bem.solve(HULLS, apart, **SEA, omega=np.linspace(0.4, 3.0, 27), planar=False, panels=108)
+
+
+def test_moments_may_be_about_a_point_that_is_told_far_off():
+    """As the origin of all, capytaine's own, is."""
+    apart, h = pair_apart()
+    far = about(h, np.zeros((2, 3)))
+    same(adopted(far, HULLS, apart, NAMES, **SEA, planar=False), h, rel=1e-8)
+
+
+def test_heave_of_a_ring_in_whose_well_water_swings_is_not_judged():
+    """Waves are long there, and yet what they exert is far from what a body without a well feels."""
+    well = ring(((3.0, -12.0), (5.0, -12.0), (5.0, 3.0), (3.0, 3.0)))
+    omega = np.arange(0.5, 1.5, 0.11)
+    h = bem.solve((well,), [[0, 0, 0]], **SEA, omega=omega, planar=True, panels=400)
+    given = told(h, bodies=("",), columns=tuple((0, dof) for dof in PLANAR))
+    seen = adopted(given, (well,), np.zeros((1, 3)), ("ring",), **SEA, planar=True, memory=False)
+    assert np.abs(seen.diffraction - h.diffraction).max() < 1e-9 * np.abs(h.diffraction).max()
 
 
 def test_what_a_file_leaves_out_or_takes_for_another_water_is_named():
