@@ -5,7 +5,7 @@ Drag is |z|z of a normal number z, which has 3π/8 of the variance of its linear
 
     S |z|z/√3 + s ξ,   of one wave S (3π/8) |cos|cos and what else there is;
 
-of a frame that swings among the waves S is the part that is as far from Gaussian, the rest rest: see `_kept`.
+of a frame that swings among the waves S is what is as far from Gaussian, and belongs to the rest else: see `_kept`.
 
 Its higher orders are lines of the case below the fastest wave (see beyond). Of those above it no line tells: a quarter
 of the third order, at sums of three frequencies, and of one wave all that is at three times its frequency.

@@ -131,9 +131,8 @@ def slow_load(omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, durat
     n, squares = loads.shape[1], np.abs(amplitude) ** 2
     if len(omega) <= FEW:
         i, j = np.triu_indices(len(omega), 1)
-        both = (
-            loads[i] * np.sqrt(squares[j] / squares[i])[:, None] + loads[j] * np.sqrt(squares[i] / squares[j])[:, None]
-        )
+        each = np.sqrt(squares[j] / squares[i])[:, None]
+        both = loads[i] * each + loads[j] / each
         return Slow(np.abs(omega[i] - omega[j]), 0.5 * both[:, :, None] * both[:, None], lines=True)
     width = max(bands(omega, duration).width, float(np.ptp(omega)) / (len(omega) - 1))
     mu, apart = np.arange(0, np.ptp(omega) + width, width), omega[:, None] - omega

@@ -29,9 +29,7 @@ ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
 FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
 PUSHED = 1e-3  # of the largest wave force along a float's axes: less along another is none
 CURVES = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")
-SPACED = (
-    1 / 8
-)  # of what curves through every other frequency miss, those through all do at least; 1/16 of smooth ones, but at ends
+SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do at least
 BESIDE = 2  # frequencies on each side by which that is told
 
 

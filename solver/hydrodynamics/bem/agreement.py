@@ -109,12 +109,10 @@ def _require_incident(six: Given, floats: Floats, expected: np.ndarray) -> None:
         i, at = int(np.abs(told - ours)[:, b, d].argmax()), six.omega[long]
         text = f"Froude-Krylov {'force' if d < 3 else 'moment'} on {names[b]} in {DOFS[d]} at {at[i]:.4g} rad/s is"
         text += f" {abs(told[i, b, d] * unit[b, d]):.4g}, on its hull {abs(ours[i, b, d] * unit[b, d]):.4g}"
-        point = (
-            "; do moments refer to another point, or is the body elsewhere in it?"
-            if d >= 3
-            else "; another hull, or other units?"
-        )
-        raise InputError(KEY, six.name, text + point)
+        asked = "another hull, or other units?"
+        if d >= 3:
+            asked = "do moments refer to another point, or is the body elsewhere in it?"
+        raise InputError(KEY, six.name, f"{text}; {asked}")
 
 
 def _places(six: Given, floats: Floats, expected: np.ndarray) -> list[tuple[np.ndarray, float]]:

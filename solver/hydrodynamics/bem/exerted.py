@@ -52,9 +52,8 @@ def in_long_waves(six: Given, floats: Floats, expected: np.ndarray | None = None
         expected = froude_krylov(floats.hulls, floats.centres, DOFS, floats.sea, six.omega)
     each = _scattered(six, floats)[rows]
     told, fits = six.excitation[rows, 0], expected[rows] + each.sum(axis=2)
-    off, where = (
-        _off(told, fits, each, k[rows], _swinging(six.omega[rows], floats), floats) if rows.any() else (0.0, (0, 0))
-    )
+    swinging = _swinging(six.omega[rows], floats)
+    off, where = _off(told, fits, each, k[rows], swinging, floats) if rows.any() else (0.0, (0, 0))
     return Long(rows, told, fits, off, where)
 
 

@@ -78,11 +78,8 @@ def _slips(six: Given, floats: Floats) -> Iterator[tuple[Given, Floats, str]]:
     yield scaled, floats, "is as of numbers in SI units where a file's are over density and gravity"
     for depth in _depths(six, floats):
         elsewhere = floats._replace(sea=replace(floats.sea, depth=depth))
-        yield (
-            six,
-            elsewhere,
-            f"is as of water {f'some {depth:.2g} m deep' if np.isfinite(depth) else 'without a bottom'}",
-        )
+        of = f"some {depth:.2g} m deep" if np.isfinite(depth) else "without a bottom"
+        yield six, elsewhere, f"is as of water {of}"
     own = replace(six, excitation=six.excitation * arrival(six, floats))
     yield own, floats, "is as of phases that refer to a crest at each float's own place: at x = y = 0 is needed"
     clockwise = floats._replace(sea=replace(floats.sea, heading=-heading))

@@ -232,9 +232,8 @@ class PanelHull:
         """Whether its corners lie as many on each circle, ROUND at least, and a turn by one brings each to another."""
         radius, angle = np.hypot(*self.vertices[:, :2].T), np.arctan2(*self.vertices[:, 1::-1].T)
         grid = ALIKE * self.size
-        same = np.unique(np.round(np.stack([radius, self.vertices[:, 2]], axis=1) / grid), axis=0, return_inverse=True)[
-            1
-        ]
+        places = np.round(np.stack([radius, self.vertices[:, 2]], axis=1) / grid)
+        same = np.unique(places, axis=0, return_inverse=True)[1]
         count = np.bincount(same)
         if not (radius.min() > grid and count.min() == count.max() >= ROUND):
             return False
