@@ -20,10 +20,10 @@ figure img { width: 100%; height: auto; display: block; margin: .4rem 0; }
 figcaption, .note { color: #555; font-size: .87rem; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: right; padding: .12rem .8rem .12rem 0; white-space: nowrap; }
-th { color: #666; font-weight: normal; border-bottom: 1px solid #bbb; }
+th { color: #666; font-weight: normal; border-bottom: 1px solid #bbb; vertical-align: bottom; white-space: normal; }
 .word { text-align: left; }
 .off { font-weight: 600; }
-.wide { overflow-x: auto; }
+.wide { overflow-x: auto; width: max-content; max-width: min(100vw - 3rem, 50vw + 28rem); }
 ul.note { margin: .4rem 0 0; padding-left: 1.2rem; }
 @media print { figure, tr { break-inside: avoid; } }
 </style>
