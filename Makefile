@@ -1,4 +1,4 @@
-# A bare machine needs Python, 3.11 or newer, make and gcc; the rest is set up in .venv, once. Tests pass with 3.11 and 3.13.
+# A bare machine needs Python, 3.11 or newer, make and gcc; the rest is set up in .venv, once. Tests pass with 3.11 to 3.13.
 PYTHON ?= $(or $(shell for python in python3.11 python3.12 python3.13 python3; do \
 	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2> /dev/null && echo $$python && break; done),python3.11)
 VENV := .venv

@@ -15,6 +15,12 @@ def real_parts(lines: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(lines).view(float)
 
 
+def some(lines: np.ndarray, place: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Of lines (nl, …) those at some places (k,), each so many times as high."""
+    chosen: np.ndarray = (lines[place].T * times).T
+    return chosen
+
+
 def lengths(lines: np.ndarray) -> np.ndarray:
     """(n,) of lines (n, nw), √Σ|X|²: √2 of the std of what they are the waves of."""
     parts = real_parts(lines)

@@ -12,7 +12,7 @@ from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_pulls, odd_lines
 from solver.scene import DOFS, LEVEL, Float, Platform, Scene, load_unit_along, poses, unit_along
 from solver.sea.field import wave_field
-from solver.statistics import STATISTICS
+from solver.statistics import STATISTICS, of_joints
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
 STEEP = 1.2  # factor by which extremes may exceed those of Gaussian responses
@@ -303,7 +303,7 @@ def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -
     """A sentence for each axis about which a float turns by more than linear buoyancy's small angles."""
     if not axes:
         return
-    moved = tables["motion"] if "motion" in tables else tables["rotation"][:, None]
+    moved = of_joints(tables)
     for f, exact, of_axes in zip(scene.floats, scene.nonlinear, moved[..., STATISTICS.index("std")], strict=True):
         for axis, angle in zip(axes, of_axes, strict=True):
             if not exact and axis not in DOFS[:3] and angle > SWUNG:

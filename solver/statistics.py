@@ -1,11 +1,18 @@
 """Running statistics of a record that is never held whole."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from solver.kernels import lean_kernel, whole_lean_kernel
 
 STATISTICS = ("max", "min", "mean", "rms", "std")
 FAINT = 1e-3  # share of the largest of its kind below which a channel counts as zero
+
+
+def of_joints(tables: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Statistics of the joints' motions (nb, axes, 5), of hinges alone those of their rotation."""
+    return tables["motion"] if "motion" in tables else tables["rotation"][:, None]
 
 
 class Statistics:

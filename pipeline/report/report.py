@@ -200,11 +200,11 @@ def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
     return first_platform(values) / (-row.scale if row.statistic.startswith("-") else row.scale)
 
 
-def strange(data: xr.Dataset, rows: Sequence[Published], study: StudyFile | None = None) -> list[str]:
+def strange(data: xr.Dataset, rows: Sequence[Published], study: StudyFile) -> list[str]:
     """Rows that name what this study does not have, though it has their sea and platform: file, row, key and limit."""
-    platform = study.platform if study else None
+    platform = study.platform
     own = {  # labels of records that are known before these are
-        "float": [f.name for f in study.floats] if study else [],
+        "float": [f.name for f in study.floats],
         "leg": [str(leg) for leg in range(1, len(platform.legs) + 1)] if platform else [],
         "member": [member.name for member in platform.members] if platform else [],
     }
@@ -272,7 +272,7 @@ def speaks(data: xr.Dataset, rows: Sequence[Published]) -> bool:
     return bool(rows) and len(tables(data, rows)) == len({row.table for row in rows})
 
 
-def print_tables(data: xr.Dataset, rows: Sequence[Published], console: Console, study: StudyFile | None = None) -> None:
+def print_tables(data: xr.Dataset, rows: Sequence[Published], console: Console, study: StudyFile) -> None:
     """Print every table, and a sentence for each number that is far off."""
     for title, mine in tables(data, rows).items():
         table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)

@@ -86,8 +86,8 @@ def failures(values: xr.DataArray) -> xr.DataArray:
     """
     failed = values[FAILED]
     if "sea_state" in failed.dims:
-        keys = _waves(values)
-        failed = failed.isel(sea_state=[i for i, key in enumerate(keys) if keys.index(key) == i])
+        first = {key: i for i, key in reversed([*enumerate(_waves(values))])}
+        failed = failed.isel(sea_state=[*first.values()])
     return failed.sum(_tasks(failed)).drop_vars(BESIDE, errors="ignore")
 
 
@@ -99,7 +99,8 @@ def with_errors(data: xr.Dataset, values: xr.DataArray, size: xr.DataArray) -> x
 def off(each: xr.DataArray, weights: Any) -> xr.DataArray:
     """What the mean of `over_seas` may be off by as records are, by errors of one kind, which add up; 0 of records that
     tell none, NaN where some do not."""
-    return _mean(_by_task(each.coords.get(ERROR, 0.0 * each.fillna(0.0))), weights)
+    errors = _by_task(each.coords.get(ERROR, 0.0 * each.fillna(0.0)))
+    return (occurrence(weights, errors) * errors.mean("seed")).sum("sea_state", skipna=False)
 
 
 def _tasks(values: xr.DataArray) -> list[Hashable]:
@@ -121,18 +122,13 @@ def _weighted(each: xr.DataArray, weights: Any) -> tuple[xr.DataArray, xr.DataAr
     variance = (w * alike * of.variance).sum("sea_state", skipna=False)
     squares = w * alike**3 * of.variance**2 / (of.number - 1).where(of.number > 1)
     freedom = variance**2 / squares.sum("sea_state", skipna=False)
-    return _mean(each, weights), variance**0.5, freedom
+    return (w * of.mean).sum("sea_state", skipna=False), variance**0.5, freedom
 
 
 def _by_task(each: xr.DataArray) -> xr.DataArray:
     """Numbers alone, with realizations and sea states."""
     each = each.drop_vars(BESIDE, errors="ignore")
     return each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
-
-
-def _mean(each: xr.DataArray, weights: Any) -> xr.DataArray:
-    """Over realizations and sea states."""
-    return (occurrence(weights, each) * each.mean("seed")).sum("sea_state", skipna=False)
 
 
 def _of_alike(each: xr.DataArray, w: xr.DataArray) -> xr.DataArray:
@@ -150,7 +146,7 @@ def _waves(each: xr.DataArray) -> list[bytes]:
     """What sea states of the same waves, which are the same tasks, have alike; one without numbers is like no other."""
     known = each.fillna(np.inf).transpose("sea_state", ...).values  # a number that failed is as another that did
     rows = known.reshape(len(known), -1)
-    return [row.tobytes() if np.isfinite(row).any() else bytes(i) for i, row in enumerate(rows)]
+    return [row.tobytes() if np.isfinite(row).any() else b"%d" % i for i, row in enumerate(rows)]
 
 
 def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:

@@ -28,8 +28,8 @@ from solver.scene import Scene
 NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of half its width
 SLOWEST = 1e-6  # [rad/s] at which added mass is that of no frequency
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
-
 FEW = 16  # waves whose differences are told one by one: of more a record shows the spectrum
+
 Impedance = Callable[[np.ndarray], np.ndarray]  # of frequencies μ (m,): B - iμ(A - A∞) (m, n, n)
 
 

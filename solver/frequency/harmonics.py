@@ -29,7 +29,7 @@ from solver.frequency.drag_effect import Effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.frequency.shape import beyond_rayleigh
-from solver.lines import real_by_complex
+from solver.lines import real_by_complex, some
 from solver.multibody.joint_law import JointLaw
 from solver.record.probe import UNTOLD
 from solver.record.response import absorbs
@@ -102,7 +102,7 @@ class _Standing(NamedTuple):
 
     def lines(self, each: np.ndarray) -> np.ndarray:
         """Theirs (nw, …) of those of all waves."""
-        return (each[self.place].T * self.height).T
+        return some(each, self.place, self.height)
 
 
 class Slow(NamedTuple):

@@ -38,6 +38,7 @@ from solver.frequency.gaussian import covariance
 from solver.frequency.harmonics import Slow, turning_effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
+from solver.lines import some
 from solver.multibody.joint_law import JointLaw
 from solver.record.slow import LIGHTLY, below
 from solver.statistics import STATISTICS
@@ -168,10 +169,10 @@ def below_the_waves(case: Case, response: Response) -> np.ndarray:
     (i, j), omega = np.tril_indices(len(place)), case.waves[place]
     apart = np.where(i == j, of.width / 3, omega[i] - omega[j])
     weight = np.where(i == j, (1 - squares / whole**2)[i] / 2, 1.0)
-    some = (weight > 0) & (apart > 0) & (apart < case.waves.min())
-    i, j, weight = i[some], j[some], weight[some]
-    near = np.searchsorted(np.sqrt(of.omega[1:] * of.omega[:-1]), apart[some])
-    X, z, wrench = ((lines[place].T * height).T for lines in (response.X, response.Z, response.wrench))
+    slow = (weight > 0) & (apart > 0) & (apart < case.waves.min())
+    i, j, weight = i[slow], j[slow], weight[slow]
+    near = np.searchsorted(np.sqrt(of.omega[1:] * of.omega[:-1]), apart[slow])
+    X, z, wrench = (some(each, place, height) for each in (response.X, response.Z, response.wrench))
     W, s, turns = _added(case, omega, X, wrench), _states(omega, z), _turning(resting).levers
     b = np.tensordot(turns.reshape(len(turns), -1, len(turns)), z, (0, 1)).transpose(1, 2, 0)  # (nz, m, 6nb)
     lever = b @ W.conj().T

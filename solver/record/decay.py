@@ -23,7 +23,7 @@ from solver.record.channels import Channels
 from solver.record.response import absorbs
 from solver.record.sampling import least_force
 from solver.scene import unit_along
-from solver.statistics import FAINT, STATISTICS
+from solver.statistics import FAINT, STATISTICS, of_joints
 
 PERIODS = 50  # of the slowest motion that coefficients know, in the time for which spectra are told, at least
 LOST = 6.0  # σ times that time: exp(-LOST) of what is left of the motions at its end counts at its start
@@ -99,7 +99,7 @@ def died(channels: Channels, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
     start = channels.by_axis(channels.scene.offsets[None])[0]
     if channels.scene.sea.amplitude.any() or not np.nan_to_num(start).any():
         return
-    moved = tables["motion"] if "motion" in tables else tables["rotation"][:, None]
+    moved = of_joints(tables)
     high, low = (moved[..., STATISTICS.index(name)] for name in ("max", "min"))
     swing, size = (high - low) / 2, np.abs(start)
     share = np.divide(swing, size, out=np.zeros(size.shape), where=size > 0)

@@ -8,7 +8,7 @@ from solver.coupled.linear import jacobians, linear_model
 from solver.coupled.system import System
 from solver.record.channels import Channels
 from solver.scene import DOFS
-from solver.statistics import STATISTICS
+from solver.statistics import STATISTICS, of_joints
 
 CHANGES = 0.02  # of the inertia about an axis, at one standard deviation to either side
 
@@ -21,8 +21,7 @@ def turning(system: System, channels: Channels, tables: Mapping[str, np.ndarray]
     (body, _, rest), model = system.resting.value, linear_model(system)
     if not channels.axes or not system.scene.settings.radiation:
         return
-    moved = tables["motion"] if "motion" in tables else tables["rotation"][:, None]
-    std, first = moved[..., STATISTICS.index("std")], rest.size - len(channels.names)
+    std, first = of_joints(tables)[..., STATISTICS.index("std")], rest.size - len(channels.names)
     for j, (b, axis) in enumerate(zip(channels.owner, channels.names, strict=True)):
         size = std[b, channels.axes.index(axis)]
         if axis in DOFS[:3] or not np.isfinite(size):

@@ -28,7 +28,7 @@ LOPSIDED = 0.2  # of the largest entry's scale: more asymmetry is no error of a 
 ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
 FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
 PUSHED = 1e-3  # of the largest wave force along a float's axes: less along another is none
-CURVES = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")
+CURVES = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")  # the last is known exactly
 SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do at least
 BESIDE = 2  # frequencies on each side by which that is told
 
@@ -155,18 +155,15 @@ def _between(h: Hydrodynamics) -> MeshError:
 def _left_out(h: Hydrodynamics, step: int) -> dict[str, np.ndarray]:
     """What curves through every so many frequencies miss halfway between those, of each curve; 0 at both ends."""
     whole, last = {name: getattr(h, name) for name in CURVES}, len(h.omega) - 1
-    missed = {name: np.zeros_like(value) for name, value in whole.items()}
+    missed = {name: np.zeros_like(whole[name]) for name in CURVES[:3]}
     for first in range(step):
         some = np.unique([0, *range(first, last + 1, step), last])
         at = np.setdiff1d(np.arange((first + step // 2) % step, last + 1, step), some)
         fewer = replace(h, omega=h.omega[some], **{name: value[some] for name, value in whole.items()})
-        Z = fewer.impedance(h.omega[at])
-        seen = {"added_mass": -Z.imag / h.omega[at, None, None], "radiation_damping": Z.real}
-        for name in ("diffraction", "froude_krylov"):
-            seen[name] = fewer.excitation(h.omega[at], name)
-        for name, value in seen.items():
+        Z, X = fewer.impedance(h.omega[at]), fewer.excitation(h.omega[at], "diffraction")
+        for name, value in zip(missed, (-Z.imag / h.omega[at, None, None], Z.real, X), strict=True):
             missed[name][at] = whole[name][at] - value
-    return {name: missed[name] for name in CURVES if name != "froude_krylov"}
+    return missed
 
 
 def _require_covered(given: Given, low: float, high: float) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, UNJUDGED
-from solver.hydrodynamics.bem.exerted import Floats, arrival_at, felt, in_long_waves, long_waves, passing
+from solver.hydrodynamics.bem.exerted import Floats, Long, arrival_at, felt, in_long_waves, long_waves, passing
 from solver.hydrodynamics.bem.given import KEY, Given, about
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.misfit import misfit
@@ -18,6 +18,7 @@ BENT = 0.15  # and that of the largest's times (ka)², and √n of both, of n bo
 PANELLED = 0.025, 0.05  # of its size and BM: the same by a Froude-Krylov force, of a hull in four panels across
 PLAIN = 0.17  # of that: as far off it may seem to be of right coefficients
 THIN = 0.05  # of the largest force: along less nothing is told of the point
+NOT_LONG = "no waves long against the hulls are among the frequencies: forces were not judged"
 SAME_HULL = 0.1  # relative: heave stiffness, and the Froude-Krylov force where it is told
 
 
@@ -33,23 +34,20 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, dic
         for x, y, _ in dict.fromkeys((tuple(floats.points[0]), tuple(floats.centres[0]))):
             moved = about(_moved(six, floats.sea, x, y), floats.centres)
             tries.append((moved, f"computed at x = y = 0, moved to ({x:g}, {y:g}) m"))
-    found, note = min(tries, key=lambda of: _misplaced(of[0], floats, expected))
-    long = in_long_waves(found, floats, expected)
-    if not long.rows.any():
-        return tries[0][0], {
-            UNJUDGED: "no waves long against the hulls are among the frequencies: forces were not judged"
-        }
+    each = [(in_long_waves(one, floats, expected), one, note) for one, note in tries]
+    if not each[0][0].rows.any():
+        return tries[0][0], {UNJUDGED: NOT_LONG}
+    long, found, note = min(each, key=lambda of: _misplaced(of[0], of[1], floats, expected))
     if long.off > 1:
         raise InputError(KEY, six.name, misfit(tries[0][0], floats, expected))
     return found, {"note": note} if note else {}
 
 
-def _misplaced(six: Given, floats: Floats, expected: np.ndarray) -> tuple[bool, float]:
+def _misplaced(long: Long, six: Given, floats: Floats, expected: np.ndarray) -> tuple[bool, float]:
     """Whether forces in long waves are others, and from how far off [m] they are, by the phase and by moments about
     points that a file tells."""
-    long, k = in_long_waves(six, floats, expected), floats.sea.wavenumbers(six.omega)
-    both = (long.told * long.fits.conj())[:, felt(long.fits)] if long.rows.any() else np.zeros((0, 1))
-    size = float(np.sum(k[long.rows, None] * np.abs(both)))
+    k, both = floats.sea.wavenumbers(six.omega[long.rows]), (long.told * long.fits.conj())[:, felt(long.fits)]
+    size = float(np.sum(k[:, None] * np.abs(both)))
     away = float(np.sum(np.abs(both.imag))) / size if size else 0.0
     if six.points is not None:
         away += max(float(np.linalg.norm(d)) for d, _ in _places(six, floats, expected))

@@ -237,9 +237,9 @@ class PanelHull:
         count = np.bincount(same)
         if not (radius.min() > grid and count.min() == count.max() >= ROUND):
             return False
-        turned = np.stack([radius * np.cos(step := angle + 2 * np.pi / count[0]), radius * np.sin(step)], axis=1)
-        near = scipy.spatial.cKDTree(self.vertices).query(np.column_stack([turned, self.vertices[:, 2]]))[0]
-        return bool(near.max() < grid)
+        angle = angle + 2 * np.pi / count[0]
+        turned = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), self.vertices[:, 2]])
+        return surface.alike(self.panels, turned[self.faces], grid)
 
     def _mirrored(self, axis: int) -> bool:
         """Whether the hull is its own image; panels may be cut otherwise there, along the other diagonal say."""

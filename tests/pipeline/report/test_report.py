@@ -17,6 +17,8 @@ from pipeline.results.variables import VARIABLES
 from pipeline.study.reading import StudyError
 from solver.statistics import STATISTICS
 
+EMPTY = SimpleNamespace(floats=[], platform=None)  # a study
+
 HEAD = ",".join(report.COLUMNS)
 
 
@@ -84,7 +86,7 @@ def test_a_number_far_off_gets_its_sentence(data, tmp_path):
         row(tmp_path / "b.csv", "T,other,absorbed_power,float=front,,2.1,kW,never said"),
     ]
     console = Console(record=True, width=120)
-    report.print_tables(data, rows, console)
+    report.print_tables(data, rows, console, EMPTY)
     text = console.export_text()
     assert "* power: the paper's spike" in text
     assert "never said" not in text
@@ -106,7 +108,7 @@ def test_tables_without_a_number_of_ours_are_left_out(data, tmp_path):
     known = row(tmp_path / "a.csv", "Known,power,absorbed_power,float=front,,2.1,kW,")
     other = row(tmp_path / "b.csv", "Other sea,power,absorbed_power,sea_state=rough,,2.1,kW,")
     console = Console(record=True, width=120)
-    report.print_tables(data, [known, other], console)
+    report.print_tables(data, [known, other], console, EMPTY)
     assert "Known" in (text := console.export_text()) and "Other sea" not in text
     assert [report.speaks(data, rows) for rows in ([], [known], [known, other])] == [False, True, False]
 
@@ -194,10 +196,10 @@ def test_a_unit_goes_by_the_axis_where_some_slide_and_some_turn(tmp_path):
     data = xr.Dataset({"motion": (("axis", "seed"), [[0.5], [0.1]])}, coords={"axis": ["surge", "yaw"], "seed": [0]})
     for selection, unit, mean in (("axis=yaw", "deg", np.degrees(0.1)), ("axis=surge", "mm", 500.0), ("", "m", 0.5)):
         theirs = row(tmp_path / "p.csv", f"T,x,motion,{selection},,2.0,{unit},")
-        assert report.ours(data, theirs).mean == pytest.approx(mean) and not report.strange(data, [theirs])
+        assert report.ours(data, theirs).mean == pytest.approx(mean) and not report.strange(data, [theirs], EMPTY)
     turned = row(tmp_path / "p.csv", "T,x,motion,,,2.0,deg,")
     assert report.ours(data, turned) is None
-    assert report.strange(data, [turned]) == [
+    assert report.strange(data, [turned], EMPTY) == [
         "p.csv: row 1 = 'x': unit = 'deg': must be that of the axis that the selection names, of m, rad"
     ]
     with pytest.raises(StudyError, match=r"unit = 'm': must be that of motion: rad, with k, M, G, m before rad, deg"):
@@ -249,21 +251,21 @@ def test_labels_that_the_study_lacks_are_named(data, tmp_path):
     }
     for selection, words in said.items():
         theirs = row(tmp_path / "p.csv", f"T,power,absorbed_power,{selection},,2.0,kW,")
-        assert report.strange(data, [theirs]) == ([f"p.csv: row 1 = 'power': {words}"] if words else [])
+        assert report.strange(data, [theirs], EMPTY) == ([f"p.csv: row 1 = 'power': {words}"] if words else [])
         begun = data.assign(status=data.status.where(data.seed < 2, "missing"))
         inner = words if "seed" in words or "left out" in words else ""
-        assert [text[24:] for text in report.strange(begun, [theirs])] == ([inner] if inner else [])
+        assert [text[24:] for text in report.strange(begun, [theirs], EMPTY)] == ([inner] if inner else [])
     study = SimpleNamespace(floats=[SimpleNamespace(name=name) for name in ("front", "rear", "aft")], platform=None)
     for name, words in (("fornt", "selection float = fornt: must be front, rear, aft"), ("aft", "")):
         theirs = row(tmp_path / "p.csv", f"T,power,absorbed_power,float=front+{name},,2.0,kW,")
         assert [text[24:] for text in report.strange(begun, [theirs], study)] == ([words] if words else [])
     other = row(tmp_path / "p.csv", "T,top,top_displacement,,,2.0,mm,")
-    assert report.strange(data, [other]) == [
+    assert report.strange(data, [other], EMPTY) == [
         "p.csv: row 1 = 'top': variable = top_displacement: is no output of this study"
     ]
-    assert not report.strange(begun, [other])
+    assert not report.strange(begun, [other], EMPTY)
     console = Console(record=True, width=80)
-    report.print_tables(data, [other], console)
+    report.print_tables(data, [other], console, EMPTY)
     assert "is no output of this study" in console.export_text()
 
 
@@ -286,7 +288,7 @@ def test_means_say_where_realizations_failed(data, tmp_path):
     theirs = row(tmp_path / "p.csv", "T,power,absorbed_power,float=front;thickness=1+2,,2.0,kW,")
     assert report.ours(both, theirs).realizations == "3, 1 failed"
     console = Console(record=True, width=40)
-    report.print_tables(both, [theirs], console)
+    report.print_tables(both, [theirs], console, EMPTY)
     assert "3, 1 failed" in console.export_text()
 
 
