@@ -136,7 +136,7 @@ def _table(study: Study, path: Path) -> str:
     with dataset.opened(path) as data, out.capture() as drawn:
         rows = report.published(study.published) if study.published else []
         if rows:
-            report.print_tables(data, rows, out, study.content)
+            report.print_tables(data, rows, out, study=study.content)
         if not report.speaks(data, rows):
             report.print_summary(data, out)
         if error := report.estimated(data):
