@@ -103,6 +103,7 @@ def bodies(
         wheeler=scene.settings.pressure == "wheeler",
         active=np.array([DOFS.index(d) for d in dofs], np.int64),
         added_mass=added_mass,
+        turning=scene.settings.hydrodynamic_axes == "body",
         law=joint_law(floats, nc),
         mechanism=_per_axis(floats, "mechanism_inertia", nc),
         limit=limits.excursions(scene, field, terms, carrier),

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from solver.coupled.equilibrium import symmetric_stiffness
 from solver.coupled.system import Resting, System, known_differences
@@ -37,6 +38,7 @@ class LinearModel:
 
     shape: np.ndarray  # T (nz, n)
     active: np.ndarray  # E (na, n)
+    along: np.ndarray  # (6nb, na) what radiates, along the axes of space, at rest
     mass: np.ndarray  # M (n, n) [kg, ...]
     damping: np.ndarray  # D (n, n)
     stiffness: np.ndarray  # C (n, n)
@@ -86,20 +88,19 @@ class LinearModel:
         none = np.zeros(len(self.mass) - nj)
         return replace(self, floats=floats, damping=self.damping + np.diag(np.concatenate([none, more])))
 
-    def loads(
-        self, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray, active: np.ndarray
-    ) -> np.ndarray:
-        """W (nw, nb, 6) on the floats of response X (nw, n), the waves' force `pushed` (nw, nb, 6) included.
-
-        active: which of the six motions of a float radiate.
-        """
+    def loads(self, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray) -> np.ndarray:
+        """W (nw, nb, 6) on the floats of response X (nw, n), the waves' force `pushed` (nw, nb, 6) included."""
         (_, nb, _, n), rate = self.wrench.shape, -1j * omega
         parts = real_by_complex(np.concatenate([self.wrench.reshape(18 * nb, n), self.active]), X.T)
         held, damped, pulled = parts[: 18 * nb].reshape(3, nb, 6, omega.size)
         total = held + rate * (damped + rate * pulled)
         radiated = (Y @ (rate * parts[18 * nb :]).T[..., None])[..., 0].T
-        total[:, active] -= radiated.reshape(nb, active.size, omega.size)
+        total -= real_by_complex(self.along, radiated).reshape(nb, 6, omega.size)
         return pushed + np.moveaxis(total, -1, 0)
+
+    def pushed(self, force: np.ndarray) -> np.ndarray:
+        """(nw, nb, 6) of the waves' forces (nw, na) on what radiates."""
+        return real_by_complex(self.along, force.T).T.reshape(len(force), -1, 6)
 
     def of_modes(self, omega: np.ndarray) -> np.ndarray:
         """ω_m² - 2iζω_mω - ω² (nw, nm)."""
@@ -131,12 +132,13 @@ def _linear_model(scene: Resting, sizes: tuple[float, ...]) -> LinearModel:
     modal[:, :nm] = frame.omega**2, 2 * frame.damping * frame.omega, np.ones(nm)
     parts = zip(floats, modal, strict=True)
     stiffness, damping, mass = (T.T @ of_floats @ T + np.diag(of_modes) for of_floats, of_modes in parts)
-    J = jacobian(bodies, z)
-    radiating = J[:, bodies.active].reshape(len(J) * bodies.active.size, nz)
+    J, along = jacobian(bodies, z), _along(bodies, z)
+    radiating = along.T @ J.reshape(len(along), nz)
     reach = np.linalg.norm(J[:, :3], axis=1) + np.reshape(sizes, (-1, 1)) * np.linalg.norm(J[:, 3:], axis=1)
     return LinearModel(
         shape=T,
         active=radiating @ T,
+        along=along,
         mass=mass,
         damping=damping,
         stiffness=stiffness,
@@ -148,6 +150,15 @@ def _linear_model(scene: Resting, sizes: tuple[float, ...]) -> LinearModel:
     )
 
 
+def _along(body: Bodies, z: np.ndarray) -> np.ndarray:
+    """(6nb, na) unit motions that radiate, along the axes of space."""
+    nb, na = body.axes.size, body.active.size
+    along = np.zeros((nb, 6, nb, na))
+    for b, R in enumerate(rotations(body, z[None])[0] if body.turning else [np.eye(3)] * nb):
+        along[b, :, b] = block_diag(R, R)[:, body.active]
+    return along.reshape(6 * nb, nb * na)
+
+
 def jacobian(body: Bodies, z: np.ndarray) -> np.ndarray:
     """Motion (nb, 6, nz) of the reference points for unit coordinates."""
     return jacobians(body, z[None])[0]
@@ -155,17 +166,49 @@ def jacobian(body: Bodies, z: np.ndarray) -> np.ndarray:
 
 def jacobians(body: Bodies, z: np.ndarray) -> np.ndarray:
     """The same (m, nb, 6, nz) at many z (m, nz)."""
-    J = np.zeros((len(z), body.axes.size, 6, z.shape[1]))
-    _fill_jacobians(body, np.ascontiguousarray(z), J)
-    return J
+    return _places(body, z)[0]
+
+
+def rotations(body: Bodies, z: np.ndarray) -> np.ndarray:
+    """Of the bodies (m, nb, 3, 3)."""
+    return _places(body, z)[1]
+
+
+def wave_levers(body: Bodies, z: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """Those of loads by waves, along axes as at rest (nz,), on the coordinates z (m, nz): (m, nb, 6, nz).
+
+    Motions of the reference points, which turn with the bodies where those loads do.
+    """
+    J, R = _places(body, z)
+    return np.asarray(_turned(R, rotations(body, rest[None])).swapaxes(-1, -2) @ J) if body.turning else J
+
+
+def wave_directions(body: Bodies, z: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """(m, nb, 6, 6) from those loads to what they are along the axes of space."""
+    if not body.turning:
+        return np.broadcast_to(np.eye(6), (len(z), body.axes.size, 6, 6))
+    return _turned(rotations(body, z), rotations(body, rest[None]))
+
+
+def _turned(R: np.ndarray, at_rest: np.ndarray) -> np.ndarray:
+    return np.kron(np.eye(2), R @ at_rest.swapaxes(-1, -2))
+
+
+def _places(body: Bodies, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    J, R = np.zeros((len(z), body.axes.size, 6, z.shape[1])), np.empty((len(z), body.axes.size, 3, 3))
+    _fill_places(body, np.ascontiguousarray(z), J, R)
+    return J, R
 
 
 @whole_lean_kernel
-def _fill_jacobians(body: Bodies, z: np.ndarray, J: np.ndarray) -> None:
+def _fill_places(body: Bodies, z: np.ndarray, J: np.ndarray, R: np.ndarray) -> None:
     motion = new_motion(body)
     for k in range(len(z)):
         move(body, z[k], z[k], motion)  # rates are not asked for
         for b in range(body.axes.size):
+            for i in range(3):
+                for j in range(3):
+                    R[k, b, i, j] = motion.rotation[b, i, j]
             for i in range(body.axes[b]):
                 for r in range(6):
                     J[k, b, r, body.coordinate[b, i]] = motion.jacobian[b, r, i]

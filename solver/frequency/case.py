@@ -200,16 +200,21 @@ class Case:
         return np.concatenate([Y, impedance_anywhere(self.system, h, at)]) if at.size else Y
 
     @cached_property
-    def excitation(self) -> np.ndarray:
-        """Of the waves on the floats (nl, nb, 6)."""
+    def radiating(self) -> np.ndarray:
+        """Force of the waves on what radiates (nl, na)."""
         rows = self.padded(self.rows[self.system.layout.excitation])
-        return rows.T.reshape(self.omega.size, len(self.system.scene.floats), 6)
+        on_floats = rows.T.reshape(self.omega.size, len(self.system.scene.floats), 6)
+        return on_floats[..., self.system.bodies.active].reshape(self.omega.size, len(self.model.active))
+
+    @cached_property
+    def excitation(self) -> np.ndarray:
+        """The same on the floats, at rest (nl, nb, 6)."""
+        return self.model.pushed(self.radiating)
 
     @cached_property
     def force(self) -> np.ndarray:
         """F (n, nl) of the waves, without drag."""
-        radiating = self.excitation[..., self.system.bodies.active].reshape(self.omega.size, len(self.model.active))
-        return np.ascontiguousarray(wave_force(self.model, radiating, self.modal).T)
+        return np.ascontiguousarray(wave_force(self.model, self.radiating, self.modal).T)
 
     @cached_property
     def stations(self) -> Stations:
@@ -295,10 +300,8 @@ class Case:
         pushed = (self.padded(excitation(system, h.shifted, self.waves).T) * self.amplitude).T
         force = np.ascontiguousarray(wave_force(self.model, pushed, self.modal).T)
         impedance = self._impedance(h.shifted)
-        on_bodies = np.zeros_like(self.excitation)
-        on_bodies[..., system.bodies.active] = pushed.reshape(len(pushed), system.bodies.axes.size, -1)
         equation, more = self.equation.radiating(impedance), force - self.force
-        return Shifted(equation, impedance, more, on_bodies, unlike(self.force, force))
+        return Shifted(equation, impedance, more, self.model.pushed(pushed), unlike(self.force, force))
 
     @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:

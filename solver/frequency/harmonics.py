@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.equilibrium import balance
-from solver.coupled.linear import jacobian, jacobians
+from solver.coupled.linear import jacobian, wave_directions, wave_levers
 from solver.frequency import gaussian
 from solver.frequency.case import Case
 from solver.frequency.drag_effect import Effect
@@ -143,7 +143,7 @@ def turning_effect(
             share = HALFWAY
         if change <= AGREED * whole:
             # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
-            wrench = case.model.loads(omega, found - X, waves.Y, wrench, case.system.bodies.active)
+            wrench = case.model.loads(omega, found - X, waves.Y, wrench)
             borne = response.wrench, lattice.first(standing.lines(response.wrench)), wrench
             told, usual, exact = map(case.channels.hinge_force, borne)
             error = max(
@@ -276,14 +276,16 @@ def _beyond(case: Case, waves: _Waves, X: np.ndarray) -> tuple[np.ndarray, np.nd
     body, _, rest = case.system.resting.value
     lattice, model, rate, Z = waves.lattice, case.model, -1j * waves.omega[:, None], X @ case.model.shape.T
     z, dz, ddz = np.split(lattice.at_instants(np.concatenate([Z, rate * Z, rate**2 * Z], axis=1)), 3, axis=1)
-    levers = jacobians(body, rest + z)
-    (nt, nb, _, nz), pushed = levers.shape, waves.excitation.copy()
-    radiating = levers[:, :, body.active].reshape(nt, nb * body.active.size, nz)
-    V = lattice.lines((radiating @ dz[..., None])[..., 0])
-    pushed[:, :, body.active] -= (waves.Y @ V[..., None]).reshape(len(V), nb, body.active.size)
-    water = lattice.at_instants(pushed.reshape(len(V), 6 * nb))
+    lever = wave_levers(body, rest + z, rest)
+    nt, nb, _, nz = lever.shape
+    lever = lever.reshape(nt, 6 * nb, nz)
+    V = lattice.lines((lever @ dz[..., None])[..., 0] @ model.along)
+    radiated = (waves.Y @ V[..., None])[..., 0]
+    water = lattice.at_instants(waves.excitation.reshape(len(V), 6 * nb) - radiated @ model.along.T)
     still, wrench = balance(body, rest + z, dz, ddz)
-    load = still + (water[:, None] @ levers.reshape(nt, 6 * nb, nz))[:, 0]
+    load = still + (water[:, None] @ lever)[:, 0]
+    if body.turning:
+        water = (wave_directions(body, rest + z, rest) @ water.reshape(nt, nb, 6, 1)).reshape(nt, 6 * nb)
     every = lattice.lines(np.concatenate([load, wrench.reshape(nt, 6 * nb) + water], axis=1))
     more = every[:, :nz] + (waves.against @ Z[..., None])[..., 0] - waves.force
     more[0] -= case.loads_at_rest[0]

@@ -78,7 +78,7 @@ def respond_in(case: Case, law: JointLaw) -> Response:
     last, nm = _agreed(case, law), frame.omega.size
     excess = _excess(case, law, last)
     X, drag = last.X.T, _borne(case, last) if case.stations.size else _no_drag(case)
-    wrench = model.loads(omega, X, case.impedance, case.excitation, case.system.bodies.active)
+    wrench = model.loads(omega, X, case.impedance, case.excitation)
     return Response(
         omega=omega,
         X=X,
@@ -188,12 +188,12 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) ->
     """
     if case.shifted is None:
         return 0.0
-    other, model, active = case.shifted, case.model, case.system.bodies.active
+    other, model = case.shifted, case.model
     borne, push = case.channels.hinge_force(wrench), last.push + other.more
 
     def change(equation: Condensed, Y: np.ndarray) -> float:
         X = equation.response(push, last.damping).T
-        forces = case.channels.hinge_force(model.loads(case.omega, X, Y, other.excitation, active))
+        forces = case.channels.hinge_force(model.loads(case.omega, X, Y, other.excitation))
         motions = response_error(case.system, law, case.omega, X, last.X.T)
         return max(motions, force_error(case.system, forces, borne))
 

@@ -30,7 +30,7 @@ import numpy as np
 
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import KNOWN as MODELS
-from solver.coupled.linear import jacobian
+from solver.coupled.linear import jacobian, wave_directions, wave_levers
 from solver.coupled.system import Resting, known_differences
 from solver.frequency.case import KNOWN, NARROW, Case
 from solver.frequency.drag_effect import Effect
@@ -54,6 +54,7 @@ class _Turning(NamedTuple):
     """How the levers of nz coordinates change with them."""
 
     levers: np.ndarray  # ∂ᵢJ (nz, nb, 6, nz)
+    directions: np.ndarray  # (nz, nb, 6, 6) of W'
     angles: np.ndarray  # (nz,) which of them turn a float: loads on its lever, or those of its centre of gravity
 
 
@@ -83,12 +84,14 @@ def turned(case: Case, response: Response) -> Response:
 def mean_shift(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:
     """Of the linear model's coordinates (n,) [m, rad, ...] and the loads on the floats (nb, 6), without drag's."""
     model, resting, borne = case.model, case.system.resting, response.wrench
-    levers, states = _turning(resting).levers, _states(response.omega, response.Z)
-    nz, n = levers.shape[0], states.shape[1]
+    turning, states = _turning(resting), _states(response.omega, response.Z)
+    nz, n = turning.angles.size, states.shape[1]
     together = covariance(states, np.concatenate([states, borne.reshape(len(borne), -1)], axis=1))
     load, wrench = _in_still_water(resting, together[:, :n])
     slopes = known_differences(resting).wrench.reshape(3, -1, nz).swapaxes(1, 2).reshape(n, -1)
-    load += np.tensordot(together[:nz, n:] - together[:nz, :n] @ slopes, levers.reshape(nz, -1, nz), 2)
+    of_waves = together[:nz, n:] - together[:nz, :n] @ slopes  # ⟨zᵢ W'⟩
+    load += np.tensordot(of_waves, turning.levers.reshape(nz, -1, nz), 2)
+    wrench += np.einsum("ibrs,ibs->br", turning.directions, of_waves.reshape(nz, -1, 6))
     x = case.shift(model.shape.T @ load)
     return x, wrench + model.wrench[0] @ x
 
@@ -257,10 +260,10 @@ def _turning(resting: Resting) -> _Turning:
     """Scenes that differ in their seas and dampers alone share it."""
     body, _, z = resting.value
     steps = NEAR * np.eye(z.size)
-    slopes = [jacobian(body, z + h) - jacobian(body, z - h) for h in steps]
-    levers = np.reshape(slopes, (z.size, body.axes.size, 6, z.size)) / (2 * NEAR)
-    turns = np.any(jacobian(body, z)[:, 3:], axis=(0, 1))
-    return _Turning(levers, turns)
+    slopes = (wave_levers(body, z + steps, z) - wave_levers(body, z - steps, z)) / (2 * NEAR)
+    directions = (wave_directions(body, z + steps, z) - wave_directions(body, z - steps, z)) / (2 * NEAR)
+    angles = np.any(jacobian(body, z)[:, 3:], axis=(0, 1))
+    return _Turning(slopes, directions, angles)
 
 
 @lru_cache(maxsize=MODELS)

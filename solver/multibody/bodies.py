@@ -42,6 +42,7 @@ class Bodies(NamedTuple):
     wheeler: bool
     active: np.ndarray  # (nr,) which of the six DOF radiate
     added_mass: np.ndarray  # (nb nr, nb nr) at infinite frequency
+    turning: bool  # it, the memory and the linear wave loads keep to the bodies' axes, not to those of space
     law: JointLaw  # of the nz axes; nothing on carriers
     mechanism: np.ndarray  # (nz,) inertia on the axes besides the floats'
     limit: np.ndarray  # (nz, 2) excursions beyond which the run stops, see solver.limits
@@ -58,8 +59,9 @@ class Motion(NamedTuple):
     velocity: np.ndarray  # (nb, 6)
     bias: np.ndarray  # (nb, 6)
     acceleration: np.ndarray  # (nb, 6)
-    active_velocity: np.ndarray  # (nb nr,)
-    scratch: np.ndarray  # (8, 6) of mass_matrix
+    active_velocity: np.ndarray  # (nb nr,) along the axes of radiation
+    active_acceleration: np.ndarray  # (nb nr,) its rate
+    scratch: np.ndarray  # (8, 6)
 
 
 class Coordinates(NamedTuple):
@@ -111,6 +113,7 @@ def new_motion(bodies: Bodies) -> Motion:
         np.zeros((nb, 6)),
         np.zeros((nb, 6)),
         np.zeros((nb, 6)),
+        np.zeros(nb * bodies.active.size),
         np.zeros(nb * bodies.active.size),
         np.zeros((8, 6)),
     )

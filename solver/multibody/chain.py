@@ -42,6 +42,16 @@ def rotated(R: np.ndarray, v: np.ndarray | tuple[float, float, float]) -> tuple[
 
 
 @kernel(inline="always")
+def into(R: np.ndarray, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Rᵀ (x, y, z)."""
+    return (
+        R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
+        R[0, 1] * x + R[1, 1] * y + R[2, 1] * z,
+        R[0, 2] * x + R[1, 2] * y + R[2, 2] * z,
+    )
+
+
+@kernel(inline="always")
 def rotation_vector(R: np.ndarray) -> tuple[float, float, float, float]:
     """θ of the rotation R = exp[θ], |θ| < π, and k = (1 - ½|θ| cot ½|θ|)/θ² of `moment`."""
     p, q, r = (R[2, 1] - R[1, 2]) / 2, (R[0, 2] - R[2, 0]) / 2, (R[1, 0] - R[0, 1]) / 2

@@ -15,7 +15,7 @@ from solver.hydrodynamics.pressure.quadrature import WettedQuadrature
 from solver.hydrodynamics.pressure.wetted_panels import panels_pressure
 from solver.kernels import fast_lean_kernel, kernel, lean_kernel, part_kernel
 from solver.multibody.bodies import Bodies, Coordinates, Loads, Motion, PressureRoom, WaterLoads
-from solver.multibody.chain import Chain, cross, kinematics, moment, rotated, rotation_vector
+from solver.multibody.chain import Chain, cross, into, kinematics, moment, rotated, rotation_vector
 from solver.multibody.joint_law import (
     PTO_ZONE,
     STOP_ZONE,
@@ -47,8 +47,28 @@ def move(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> None:
             motion.velocity[b],
             motion.bias[b],
         )
+        v = motion.velocity[b]
+        if bodies.turning:
+            v = _into_axes(motion.rotation[b], v, motion.scratch[0])
         for r in range(nr):
-            motion.active_velocity[b * nr + r] = motion.velocity[b, bodies.active[r]]
+            motion.active_velocity[b * nr + r] = v[bodies.active[r]]
+
+
+@kernel(inline="always")
+def _into_axes(R: np.ndarray, x: np.ndarray, out: np.ndarray) -> np.ndarray:
+    """out (6,) <- Rᵀ of both halves of x (6,)."""
+    out[0], out[1], out[2] = into(R, x[0], x[1], x[2])
+    out[3], out[4], out[5] = into(R, x[3], x[4], x[5])
+    return out
+
+
+@kernel(inline="always")
+def _add_turned(R: np.ndarray, x: np.ndarray, share: float, out: np.ndarray) -> None:
+    """out (6,) += share times R of both halves of x (6,)."""
+    a, b, c = rotated(R, x[:3])
+    out[0], out[1], out[2] = out[0] + share * a, out[1] + share * b, out[2] + share * c
+    a, b, c = rotated(R, x[3:])
+    out[3], out[4], out[5] = out[3] + share * a, out[4] + share * b, out[5] + share * c
 
 
 @part_kernel
@@ -164,8 +184,21 @@ def _add_along(bodies: Bodies, b: int, motion: Motion, field: np.ndarray, out: n
     u = _within(s / bodies.reach[b])
     for _ in range(SWINGS):
         u = _within((s - _chebyshev(terms, nr, u)) / bodies.reach[b])
+    load = motion.scratch[0]
+    load[:] = 0.0
     for r in range(nr):
-        out[bodies.active[r]] += _chebyshev(terms, r, u)
+        load[bodies.active[r]] = _chebyshev(terms, r, u)
+    _add_linear(bodies, b, motion, load, out)
+
+
+@kernel(inline="always")
+def _add_linear(bodies: Bodies, b: int, motion: Motion, load: np.ndarray, out: np.ndarray) -> None:
+    """out (6,) += load (6,) of the waves' diffraction, linear pressure or radiation, given along its axes."""
+    if bodies.turning:
+        _add_turned(motion.rotation[b], load, 1.0, out)
+    else:
+        for r in range(6):
+            out[r] += load[r]
 
 
 @kernel(inline="always")
@@ -203,19 +236,24 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
             for i in range(bodies.axes[b]):
                 a += motion.jacobian[b, r, i] * at.ddz[bodies.coordinate[b, i]]
             motion.acceleration[b, r] = a
+        _accelerate(bodies, b, motion)
     out.residual[:] = 0.0
     for b in range(nb):
         W = out.wrench[b]
         _wave_wrench(bodies, b, motion, water, W)
         for r in range(6):
             out.external[b, r] = W[r]
+        radiated = motion.scratch[0]
+        radiated[:] = 0.0
         for r in range(nr):
             i = b * nr + r
             total = water.memory[i]
-            for j in range(nb):
-                for s in range(nr):
-                    total += bodies.added_mass[i, j * nr + s] * motion.acceleration[j, bodies.active[s]]
-            W[bodies.active[r]] -= total
+            for j in range(nb * nr):
+                total += bodies.added_mass[i, j] * motion.active_acceleration[j]
+            radiated[bodies.active[r]] = -total
+        if bodies.turning:
+            _turn_impulse(bodies, b, motion, radiated)
+        _add_linear(bodies, b, motion, radiated, W)
         _weight_and_inertia(bodies, b, motion, W)
         for i in range(bodies.axes[b]):
             for r in range(6):
@@ -227,10 +265,42 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
 
 
 @kernel(inline="always")
+def _accelerate(bodies: Bodies, b: int, motion: Motion) -> None:
+    """Fill active_acceleration of a body: along its own axes Rᵀ(a - ω × v) and Rᵀω̇."""
+    nr, a, v = bodies.active.size, motion.acceleration[b], motion.velocity[b]
+    if bodies.turning:
+        turned = motion.scratch[0]
+        x, y, z = cross(v[3], v[4], v[5], v[0], v[1], v[2])
+        turned[0], turned[1], turned[2] = into(motion.rotation[b], a[0] - x, a[1] - y, a[2] - z)
+        turned[3], turned[4], turned[5] = into(motion.rotation[b], a[3], a[4], a[5])
+        a = turned
+    for r in range(nr):
+        motion.active_acceleration[b * nr + r] = a[bodies.active[r]]
+
+
+@part_kernel
+def _turn_impulse(bodies: Bodies, b: int, motion: Motion, F: np.ndarray) -> None:
+    """F (6,) -= what turns the water's impulse (P, L) = A∞ V with a body: ω × P, and ω × L + v × P (Kirchhoff)."""
+    nr, impulse = bodies.active.size, motion.scratch[1]
+    impulse[:] = 0.0
+    for r in range(nr):
+        for j in range(motion.active_velocity.size):
+            impulse[bodies.active[r]] += bodies.added_mass[b * nr + r, j] * motion.active_velocity[j]
+    v = _into_axes(motion.rotation[b], motion.velocity[b], motion.scratch[2])
+    px, py, pz = impulse[0], impulse[1], impulse[2]
+    fx, fy, fz = cross(v[3], v[4], v[5], px, py, pz)
+    mx, my, mz = cross(v[3], v[4], v[5], impulse[3], impulse[4], impulse[5])
+    ux, uy, uz = cross(v[0], v[1], v[2], px, py, pz)
+    F[0], F[1], F[2] = F[0] - fx, F[1] - fy, F[2] - fz
+    F[3], F[4], F[5] = F[3] - mx - ux, F[4] - my - uy, F[5] - mz - uz
+
+
+@kernel(inline="always")
 def _wave_wrench(bodies: Bodies, b: int, motion: Motion, water: WaterLoads, W: np.ndarray) -> None:
     """W <- excitation and pressure, carried on by the stiffness of buoyancy and lines."""
     for r in range(6):
-        W[r] = water.excitation[b, r] + water.pressure[b, r]
+        W[r] = water.pressure[b, r]
+    _add_linear(bodies, b, motion, water.excitation[b], W)
     for c in range(6):
         moved = 0.0
         for i in range(bodies.axes[b]):
@@ -253,7 +323,7 @@ def powers(
         for r in range(6):
             waves += external[b, r] * motion.velocity[b, r]
         for r in range(nr):
-            radiation += memory[b * nr + r] * motion.velocity[b, bodies.active[r]]
+            radiation += memory[b * nr + r] * motion.active_velocity[b * nr + r]
     for i in range(at.dz.size):
         load = axis_load(bodies.law, i, at.zone[STOP_ZONE, i], at.zone[PTO_ZONE, i], at.z[i], at.dz[i])
         pto += load.pto * at.dz[i]
@@ -273,8 +343,8 @@ def _weight_and_inertia(bodies: Bodies, b: int, motion: Motion, W: np.ndarray) -
     m = bodies.mass[b]
     fx, fy, fz = -m * (a[0] + tx + cx), -m * (a[1] + ty + cy), -m * (a[2] + tz + cz + bodies.gravity)
     # Spin and its rate in the body's frame, where the inertia is constant.
-    px, py, pz = _into_body(R, wx, wy, wz)
-    qx, qy, qz = _into_body(R, a[3], a[4], a[5])
+    px, py, pz = into(R, wx, wy, wz)
+    qx, qy, qz = into(R, a[3], a[4], a[5])
     hx, hy, hz = rotated(inertia, (px, py, pz))
     gx, gy, gz = cross(px, py, pz, hx, hy, hz)
     dx, dy, dz = rotated(inertia, (qx, qy, qz))
@@ -288,15 +358,6 @@ def _weight_and_inertia(bodies: Bodies, b: int, motion: Motion, W: np.ndarray) -
     W[5] += mz - lz
 
 
-@kernel(inline="always")
-def _into_body(R: np.ndarray, x: float, y: float, z: float) -> tuple[float, float, float]:
-    return (
-        R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
-        R[0, 1] * x + R[1, 1] * y + R[2, 1] * z,
-        R[0, 2] * x + R[1, 2] * y + R[2, 2] * z,
-    )
-
-
 @lean_kernel
 def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
     """M (nz, nz) of the floats with the added mass at infinite frequency."""
@@ -306,15 +367,28 @@ def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
     for b in range(nb):
         _spatial_inertia(bodies, b, motion.rotation[b], block, lever)
         _project(bodies, motion, b, b, block, column, M)
-    block[:] = 0.0
     for b in range(nb):
         for c in range(nb):
+            block[:] = 0.0
             for r in range(nr):
                 for s in range(nr):
                     block[bodies.active[r], bodies.active[s]] = bodies.added_mass[b * nr + r, c * nr + s]
+            if bodies.turning:
+                _turn_block(motion.rotation[b], motion.rotation[c], block)
             _project(bodies, motion, b, c, block, column, M)
     for i in range(bodies.mechanism.size):
         M[i, i] += bodies.mechanism[i]
+
+
+@kernel(inline="always")
+def _turn_block(R: np.ndarray, Q: np.ndarray, X: np.ndarray) -> None:
+    """X (6, 6) <- R X Qᵀ, R and Q (3, 3) of its halves."""
+    for h in range(0, 6, 3):
+        for i in range(6):
+            X[i, h], X[i, h + 1], X[i, h + 2] = rotated(Q, (X[i, h], X[i, h + 1], X[i, h + 2]))
+    for h in range(0, 6, 3):
+        for j in range(6):
+            X[h, j], X[h + 1, j], X[h + 2, j] = rotated(R, (X[h, j], X[h + 1, j], X[h + 2, j]))
 
 
 @lean_kernel
@@ -356,7 +430,7 @@ def stored_energy(bodies: Bodies, zone: np.ndarray, z: np.ndarray, dz: np.ndarra
         R, v, m = motion.rotation[b], motion.velocity[b], bodies.mass[b]
         x, y, up = rotated(R, bodies.cog[b])
         ux, uy, uz = cross(v[3], v[4], v[5], x, y, up)
-        p = _into_body(R, v[3], v[4], v[5])
+        p = into(R, v[3], v[4], v[5])
         h = rotated(bodies.inertia[b], p)
         energy += 0.5 * m * ((v[0] + ux) ** 2 + (v[1] + uy) ** 2 + (v[2] + uz) ** 2)
         energy += 0.5 * (p[0] * h[0] + p[1] * h[1] + p[2] * h[2])

@@ -133,7 +133,7 @@ def _decay(system: System, span: _Span, Y: np.ndarray) -> _Decay:
     rate = -1j * w[:, None]
     Q = spectrum(system, w, Y) - start / rate
     held = model.wrench[0] @ start / rate[..., None]  # which those of Q at last take back
-    forces = Channels(system.scene, None).hinge_force(model.loads(w, Q, Y, held, system.bodies.active))
+    forces = Channels(system.scene, None).hinge_force(model.loads(w, Q, Y, held))
     every = np.concatenate([Q.T, (rate * Q).T, forces.reshape(w.size, -1).T]).conj()
     series = np.fft.irfft(every, 2 * w.size) * (w.size * step / np.pi)
     kept = (np.exp(span.sigma * span.times) * series[:, span.at]).T

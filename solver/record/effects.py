@@ -116,10 +116,8 @@ def unlike(force: np.ndarray, other: np.ndarray) -> float:
 
 def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray, pushed: np.ndarray) -> np.ndarray:
     """Of response X (nw, n), radiation impedance Y and the waves' force (nw, na): (nw, nb, 3) [N]."""
-    active, push = system.bodies.active, np.zeros((omega.size, system.bodies.axes.size, 6), complex)
-    push[..., active] = pushed.reshape(push[..., active].shape)
-    loads = linear_model(system).loads(omega, X, Y, push, active)
-    return Channels(system.scene, None).hinge_force(loads)
+    model = linear_model(system)
+    return Channels(system.scene, None).hinge_force(model.loads(omega, X, Y, model.pushed(pushed)))
 
 
 def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:

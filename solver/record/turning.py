@@ -19,7 +19,7 @@ def turning(system: System, channels: Channels, tables: Mapping[str, np.ndarray]
     A body's own added mass turns with it. tables: statistics of the motions.
     """
     (body, _, rest), model = system.resting.value, linear_model(system)
-    if not channels.axes or not system.scene.settings.radiation:
+    if not channels.axes or not system.scene.settings.radiation or system.bodies.turning:
         return
     std, first = of_joints(tables)[..., STATISTICS.index("std")], rest.size - len(channels.names)
     for j, (b, axis) in enumerate(zip(channels.owner, channels.names, strict=True)):
@@ -36,5 +36,5 @@ def turning(system: System, channels: Channels, tables: Mapping[str, np.ndarray]
                 f"floats.{system.scene.floats[b].name}: at the std of its {axis}, {size:.2g} rad, added mass that keeps"
                 f" its directions changes the inertia about that axis by {change:+.1%}, which that of a body which"
                 " turns does not: natural periods move, and with them what waves near those do; no part of the"
-                " estimated error"
+                ' estimated error, hydrodynamic_axes = "body" turns it'
             )

@@ -5,6 +5,7 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
+from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
 from solver.coupled.assembly import joint_law
@@ -21,7 +22,7 @@ from solver.hydrodynamics.pressure.quadrature import quadrature, quadrature_room
 from solver.hydrodynamics.pressure.wetted_panels import longest_side, panels_pressure, panels_room, wetted_panels
 from solver.multibody.of_axes import joint_loads
 from solver.reference import axes as joint_axes
-from solver.reference.augmented import MechanismState
+from solver.reference.augmented import MechanismState, rotation_of
 from solver.reference.axes import Axes, Node
 from solver.reference.convolution import Convolution, Kernel
 from solver.reference.elastic import ElasticSupport, FixedSupport
@@ -217,6 +218,9 @@ class Floats:
         self.inertia = [f.per_axis("mechanism_inertia") for f in scene.floats]
         self.active = np.array([6 * b + i for b in range(nb) for i in (_index(h) if h else ())], int)
         self.convolution = Convolution(kernel, dt=dt, c=self.c, steps=steps) if kernel else None
+        self.turning = scene.settings.hydrodynamic_axes == "body"
+        self.along = np.eye(6 * nb)[:, self.active]
+        self.infinite = kernel.added_mass_inf if kernel else np.zeros((self.active.size,) * 2)
         self.velocity = np.zeros((stages, self.active.size))
         self.leaders, self.swing = leaders(scene, force.field), swing
         self.rows = np.zeros((6 * nb, scene.sea.omega.size), complex)
@@ -232,7 +236,7 @@ class Floats:
 
     def begin(self, t: float, dt: float, state: MechanismState) -> None:
         """Fields and excitation at the step's stages, and the support's share of them; see `Surroundings.begin`."""
-        self.velocity[:] = state.velocity.ravel()[self.active]
+        self.velocity[:] = self._axes(rotation_of(state.quaternion)).T @ state.velocity.ravel()
         s = self.scene.settings
         times = t + self.c * dt
         factors = ramp(times, s.ramp, s.ramp_form)
@@ -260,7 +264,7 @@ class Floats:
 
     def mechanism_inertia(self, stage: int, frames: Frames) -> np.ndarray | None:
         """Ways and rates of all joints, and the inertia (6 nb, 6 nb) of their mechanisms; None without any."""
-        extra = None
+        extra = self.added_mass(frames) if self.turning else None
         for b, axes in enumerate(self.axes):
             position, rotation, velocity = frames.position[b], frames.rotation[b], frames.velocity[b]
             start = self.way[stage][b]
@@ -271,18 +275,31 @@ class Floats:
             self.joint[stage][b] = P, M, c
             if inertia.any():
                 extra = np.zeros((6 * len(self.axes),) * 2) if extra is None else extra
-                extra[6 * b : 6 * b + 6, 6 * b : 6 * b + 6] = M
+                extra[6 * b : 6 * b + 6, 6 * b : 6 * b + 6] += M
         return extra
+
+    def added_mass(self, frames: Frames) -> np.ndarray:
+        """A∞ (6 nb, 6 nb) along the axes of space."""
+        P = self._axes(frames.rotation)
+        return np.asarray(P @ self.infinite @ P.T)
+
+    def _axes(self, rotation: np.ndarray) -> np.ndarray:
+        """(6 nb, na) unit motions that radiate, along the axes of space."""
+        if not self.turning:
+            return self.along
+        return np.asarray(block_diag(*(R for R in rotation[: len(self.axes)] for _ in range(2))) @ self.along)
 
     def loads(self, stage: int, _t: float, frames: Frames) -> np.ndarray:
         """Loads (nb, 6) [N, N m] of water and joints, powers on the way; see `Surroundings.loads`."""
         nb = len(self.axes)
-        v = frames.velocity[:nb]
-        self.velocity[stage] = v.ravel()[self.active]
+        v, P = frames.velocity[:nb], self._axes(frames.rotation)
+        self.velocity[stage] = P.T @ v.ravel()
         load = self.excitation[stage].reshape(nb, 6).copy()
         for b in range(nb):
             if self.leaders[b] >= 0 and self.swing is not None:
                 load[b] = self._displaced(b, self.leaders[b], stage, frames.position[self.leaders[b]], self.swing)
+        load = (P @ load.ravel()[self.active]).reshape(nb, 6)
+        for b in range(nb):
             load[b] += self.fields[stage](b, frames.position[b], frames.rotation[b])
         power = self.power[stage]
         power[:] = 0.0
@@ -290,8 +307,9 @@ class Floats:
         if self.convolution:
             memory = self.convolution.load(stage, self.velocity)
             power[RADIATION] = memory @ self.velocity[stage]
-            flat = load.reshape(-1)
-            flat[self.active] -= memory
+            load -= (P @ memory).reshape(nb, 6)
+            if self.turning:
+                load += self._carried_along(frames)
         for b in range(nb):
             self.force[stage, b] = self._joint_load(b, stage, power)
             _, M, c = self.joint[stage][b]
@@ -301,6 +319,19 @@ class Floats:
                 load[carrier] += back
                 self.force[stage, carrier] += back
         return load
+
+    def _carried_along(self, frames: Frames) -> np.ndarray:
+        """-(A∞ V̇ + V ×* A∞ V) (nb, 6) of bodies without acceleration, V along their axes (Kirchhoff's equations).
+
+        v̇ = -ω × v there; V ×* (P, L) = (ω × P, ω × L + v × P).
+        """
+        nb, R = len(self.axes), frames.rotation[: len(self.axes)]
+        v, w = np.einsum("bij,bhi->hbj", R, frames.velocity[:nb].reshape(nb, 2, 3))
+        A = self.along @ self.infinite @ self.along.T
+        impulse, turned = (A @ np.concatenate(x, axis=1).ravel() for x in ((v, w), (-np.cross(w, v), 0 * w)))
+        p, h = impulse.reshape(nb, 2, 3).swapaxes(0, 1)
+        load = turned.reshape(nb, 2, 3) + np.stack([np.cross(w, p), np.cross(w, h) + np.cross(v, p)], axis=1)
+        return -np.einsum("bij,bhj->bhi", R, load).reshape(nb, 6)
 
     def _displaced(self, b: int, leader: int, stage: int, position: np.ndarray, swing: np.ndarray) -> np.ndarray:
         """Excitation (6,) of float b with the waves' phases where its leader is, but for what they swing that by."""

@@ -223,10 +223,9 @@ def _at_rest(
             poses.append(_body(item, *joint_axes.body_at(floats.axes[b], node, y, 0 * way)[:2]))
         # Its node, the last, is where the floats are drawn.
         joints.append(_joint(item, carrier if carrier >= 0 else support.frame_number(b), b, node))
-    A = None
-    if kernel is not None:
-        A = np.zeros((6 * nb, 6 * nb))
-        A[np.ix_(floats.active, floats.active)] = kernel.added_mass_inf
+    A = None  # of what turns it is part of the mechanisms' inertia
+    if kernel is not None and not floats.turning:
+        A = floats.along @ kernel.added_mass_inf @ floats.along.T
     world: dict[str, Any] = {"gravity": (0, 0, -scene.water.gravity), "added_mass": A}
     # The joints are closed where the floats are drawn; from there they let the axes move.
     return mechanism(drawn, joints, supports, **world)[0], mechanism(bodies, joints, supports, **world)[1]
@@ -328,6 +327,8 @@ def _stored(case: Case, frames: Frames) -> float:
         return case.support.energy
     M, Q = np.empty((6 * nb, 6 * nb)), np.empty(6 * nb)
     inertia_and_bias(body, frames, M, Q)
+    if floats.turning:
+        M += floats.added_mass(frames)
     v = frames.velocity[:nb].ravel()
     total = case.support.energy + v @ M @ v / 2
     for b, (law, inertia) in enumerate(zip(floats.law, floats.inertia, strict=True)):

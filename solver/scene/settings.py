@@ -116,6 +116,10 @@ class Settings:
     diffraction: Annotated[bool, "Whether floats diffract waves"] = True
     radiation: Annotated[bool, "Whether floats radiate waves"] = True
     interaction: Annotated[bool, "Whether floats feel waves that others diffract and radiate"] = True
+    hydrodynamic_axes: Annotated[
+        Literal["space", "body"],
+        "Along whose axes diffraction, radiation and linear Froude-Krylov forces act as a float turns",
+    ] = "space"
     # ∂φ/∂z = (1 + iε) ω²/g φ: the same water rings as without, and loses εω of its energy in a second.
     gap_damping: Annotated[
         float,
