@@ -10,7 +10,6 @@ import numpy as np
 from solver.frequency import gaussian
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import JointLoads, bent, joint_loads
-from solver.statistics import moments
 
 Load = Callable[[np.ndarray], np.ndarray]  # of power take-offs (m, n) at rates (m, n)
 COS, SIN = np.cos(gaussian.PHASE)[:, None], np.sin(gaussian.PHASE)[:, None]
@@ -37,9 +36,7 @@ def _loads(law: JointLaw, axes: np.ndarray, rates: np.ndarray) -> JointLoads:
     return joint_loads(law, np.zeros(every.shape), every)
 
 
-def borne_table(
-    load: Load, V: np.ndarray, usual: np.ndarray, F: np.ndarray, omega: np.ndarray, duration: float
-) -> np.ndarray:
+def borne_table(load: Load, V: np.ndarray, usual: np.ndarray, F: np.ndarray, of: gaussian.Process) -> np.ndarray:
     """(n, 5) of forces that are linear but for -f(v), of which their lines F (nw, n) and statistics have -cv, (n, 5).
 
     c = ⟨fv⟩/⟨v²⟩: what that leaves goes with nothing linear, σ² = σ_F² + ⟨(f - cv)²⟩. Extremes are those of the cycle
@@ -47,34 +44,32 @@ def borne_table(
     """
     mean, sigma = usual[:, 2], gaussian.spread(V)
     variance = np.where(sigma > 0, sigma**2, 1.0)
-    if len(V) == 1:
-        v = gaussian.sampled(V)
+    if (v := of.sampled(V)) is not None and (linear := of.sampled(F)) is not None:
         f = load(v)
-        return moments(mean + gaussian.sampled(F) + np.mean(f * v, axis=0) / variance * v - f)
+        return gaussian.tabulated(mean + linear + np.mean(f * v, axis=0) / variance * v - f)
     v = gaussian.SIZES[:, None] * sigma
     f = load(v)
     c = gaussian.WEIGHTS @ (f * v) / variance
     std = np.sqrt(usual[:, 4] ** 2 + gaussian.WEIGHTS @ (f - c * v) ** 2)
-    L, fastest = F + c * V, gaussian.table(np.zeros(len(c)), V, omega, duration)[:, 0]
+    L, fastest = F + c * V, gaussian.table(np.zeros(len(c)), V, of)[:, 0]
     phase = 0.5 * np.sum((L * V.conj()).real, axis=0) / variance
     off = gaussian.spread(L - phase * V) * fastest / np.sqrt(variance)
     cycle = phase * fastest * COS - load(fastest * COS) + off * SIN
     return np.stack([mean + cycle.max(axis=0), mean + cycle.min(axis=0), mean, np.hypot(mean, std), std], axis=-1)
 
 
-def absorbed_table(load: Load, V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+def absorbed_table(load: Load, V: np.ndarray, of: gaussian.Process) -> np.ndarray:
     """(5,) of P = Σ fᵢ(vᵢ) vᵢ of axes with rates of lines V (nw, n).
 
     Two axes' powers go together as squares of their rates do, by ρᵢⱼ², and vary less by few lines as theirs do. What
     the largest is above the mean is the largest eigenvalue of ρᵢⱼ √(pᵢpⱼ), p of each alone: that of linear laws, see
     gaussian.power_table.
     """
-    if len(V) == 1:
-        v = gaussian.sampled(V)
-        return moments(np.sum(load(v) * v, axis=1, keepdims=True))[0]
+    if (v := of.sampled(V)) is not None:
+        return gaussian.tabulated(np.sum(load(v) * v, axis=1, keepdims=True))[0]
     S = gaussian.covariance(V, V)
     sigma = np.sqrt(np.diag(S))
-    v, fastest = gaussian.SIZES[:, None] * sigma, gaussian.fastest(V, omega, duration) * COS
+    v, fastest = gaussian.SIZES[:, None] * sigma, gaussian.fastest(V, of) * COS
     power = load(v) * v
     each = gaussian.WEIGHTS @ power
     std = np.sqrt((gaussian.WEIGHTS @ power**2 - each**2).clip(min=0.0))

@@ -13,7 +13,7 @@ from solver.coupled.natural import SystemModes, require_stable, system_modes
 from solver.coupled.preparation import prepare
 from solver.coupled.support import Support
 from solver.coupled.system import System, loads_at_rest
-from solver.frequency import beyond
+from solver.frequency import beyond, gaussian
 from solver.frequency.condensed import Condensed
 from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
@@ -166,10 +166,11 @@ class Case:
         out[..., : self.waves.size] = of_waves
         return out
 
-    @property
-    def duration(self) -> float:
-        """Of the record [s]."""
-        return self.system.scene.settings.duration
+    @cached_property
+    def process(self) -> gaussian.Process:
+        """That lines are of: as long as a march's, and from when that is where phases are known."""
+        s, sea = self.system.scene.settings, self.system.scene.sea
+        return gaussian.Process(self.omega, s.duration, self.nodes.omega.size, s.discard if sea.known else None)
 
     @cached_property
     def rows(self) -> np.ndarray:
@@ -289,7 +290,7 @@ class Case:
         """Drag on a frame that does not move beyond the linear one (nd ns, nl - nw) [N]."""
         if not self.nodes.omega.size:
             return np.zeros((len(self.stations.water), 0), complex)
-        return beyond.forces(self.stations, self.waves, self.duration, self.nodes)
+        return beyond.forces(self.stations, self.waves, self.process.duration, self.nodes)
 
     @cached_property
     def shifted(self) -> Shifted | None:

@@ -66,7 +66,7 @@ def drag_effect(
     if waves > 1:
         kept = _kept(case, tops[:, moved][:, np.argmax(driven)], p[:waves], push)
         driven *= kept
-        peak = gaussian.peak(response.X[:, :nm] @ tops[:, moved], case.omega, case.duration)
+        peak = gaussian.peak(response.X[:, :nm] @ tops[:, moved], case.process)
         extremes = _beyond_rayleigh(driven, std, peak)
     if channels.steel is not None:
         first = channels.legs.first

@@ -2,11 +2,13 @@
 
 Lines X (nw, n) stand for x = μ + Re Σ X exp(-iωt). Several are a Gaussian process of variance m₀ = ½Σ|X|², and its
 extremes those that a narrow band is expected to have in a time T (Cartwright and Longuet-Higgins 1956):
-μ ± (u + γ/u) √m₀, u² = 2 ln N, N = T √(m₂/m₀)/2π cycles; never more than Σ|X|. One line is a harmonic.
+μ ± (u + γ/u) √m₀, u² = 2 ln N, N = T √(m₂/m₀)/2π cycles; never more than Σ|X|. One line is a harmonic, and lines of
+waves whose phases are known are the sum that they make in the record.
 """
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -16,17 +18,47 @@ from scipy.special import ndtr, ndtri
 from solver.kernels import kernel, whole_kernel
 from solver.keys import shared
 from solver.power_takeoff import PtoEfficiency
-from solver.statistics import moments
+from solver.statistics import Statistics
 
 EULER = 0.5772156649015329
 PHASES = 360  # at which a harmonic is looked at, and directions of an integral all round
 PHASE = 2 * np.pi * np.arange(PHASES) / PHASES
 FIBRES = 36  # whose extremes are looked at
+OFTEN, BLOCK = 16, 1024  # samples in the fastest wave where phases are known, and how many are summed at a time
 POINTS = 2**14  # of a normal distribution of several variables, and as many opposite ones
 GAUSS = np.polynomial.legendre.leggauss(200)
 SIZES = 5 * (1 + GAUSS[0])  # of a rate over its std, up to 10
 WEIGHTS = 5 * GAUSS[1] * np.sqrt(2 / np.pi) * np.exp(-0.5 * SIZES**2)
 FAR = 8.0  # times its std: how far from zero a mean must be for the length of its vector to be nearly linear
+
+
+@dataclass(frozen=True, eq=False)
+class Process:
+    """What lines are of, and for how long."""
+
+    omega: np.ndarray  # (nl,) [rad/s], of waves first
+    duration: float  # [s]
+    others: int = 0  # lines at its end, that no wave makes
+    begin: float | None = None  # [s] where phases are known
+
+    def sampled(self, X: np.ndarray) -> np.ndarray | None:
+        """Values (m, n) of lines (nl, n): of one harmonic over its period, or over the record; None of random phases.
+
+        Lines that no wave makes widen the others' sum.
+        """
+        if len(X) == 1:
+            return sampled(X)
+        if self.begin is None:
+            return None
+        waves = len(X) - self.others
+        omega, of_waves = self.omega[:waves], X[:waves]
+        step = 2 * np.pi / (OFTEN * omega.max())
+        count = max(1, int(self.duration / step))
+        turn = np.exp(-1j * np.outer(step * np.arange(BLOCK), omega))
+        starts = self.begin + step * np.arange(0, count, BLOCK)
+        values = np.concatenate([(turn @ (np.exp(-1j * omega * t) * of_waves.T).T).real for t in starts])[:count]
+        size = spread(of_waves)
+        return values * np.divide(spread(X), size, out=np.ones(size.shape), where=size > 0)
 
 
 def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
@@ -42,12 +74,21 @@ def _cycles(m0: float, m2: float, duration: float) -> float:
     return max(rate * duration, np.e)
 
 
-def table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+def table(mean: np.ndarray, X: np.ndarray, of: Process) -> np.ndarray:
     """(…, 5) in the order of STATISTICS for means (…) and lines (nw, …)."""
-    flat = np.ascontiguousarray(X, complex).reshape(len(omega), -1)
+    flat, level = np.ascontiguousarray(X, complex).reshape(len(X), -1), np.broadcast_to(mean, X.shape[1:]).ravel()
+    if len(X) > 1 and (values := of.sampled(flat)) is not None:
+        return tabulated(level + values).reshape(*X.shape[1:], 5)
     out = np.empty((flat.shape[1], 5))
-    _tabulate(np.broadcast_to(mean, X.shape[1:]).ravel(), flat, omega**2, duration, out)
+    _tabulate(level, flat, of.omega**2, of.duration, out)
     return out.reshape(*X.shape[1:], 5)
+
+
+def tabulated(values: np.ndarray) -> np.ndarray:
+    """The same (n, 5) of samples (m, n)."""
+    of = Statistics()
+    of.add(values)
+    return of.table()
 
 
 @whole_kernel
@@ -80,21 +121,21 @@ def _largest(m0: float, m2: float, most: float, duration: float) -> float:
     return min((u + EULER / u) * np.sqrt(0.5 * m0), most)
 
 
-def power_table(c: np.ndarray, V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+def power_table(c: np.ndarray, V: np.ndarray, of: Process) -> np.ndarray:
     """(5,) of P = Σ cᵢ vᵢ² for dampings c (n,) and rates of lines V (nw, n).
 
     Mean Σ cᵢσᵢ², variance 2 tr (CS)² of a Gaussian process, see `of_lines`; the largest is that of the strongest
     principal rate, whose square has 2N peaks of exponential distribution, and the others' mean.
     """
-    if len(V) == 1:
-        return moments(sampled(V) ** 2 @ c[:, None])[0]
+    if (rates := of.sampled(V)) is not None:
+        return tabulated(rates**2 @ c[:, None])[0]
     if c.size > 1:  # how often an axis moves that absorbs nothing says nothing of the largest
         V, c = V[:, c > 0], c[c > 0]
-    m0, m2, most = _sums(V, omega)
+    m0, m2, most = _sums(V, of.omega)
     principal = np.linalg.eigvals(c[:, None] * covariance(V, V)).real if c.size > 1 else 0.5 * c * m0
     mean, std = principal.sum(), np.sqrt(2 * np.sum(principal**2)) * of_lines(np.diag(c), V)
     strongest = principal.max(initial=0.0)
-    largest = min(mean + strongest * _beyond(m0, m2, duration), float(c @ most**2))
+    largest = min(mean + strongest * _beyond(m0, m2, of.duration), float(c @ most**2))
     return np.array([largest, 0.0, mean, np.hypot(mean, std), std])
 
 
@@ -128,18 +169,20 @@ def spread(X: np.ndarray) -> np.ndarray:
     return np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0))
 
 
-def peak(X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+def peak(X: np.ndarray, of: Process) -> np.ndarray:
     """Expected largest (n,) of lines (nw, n) over their std; 0 of what does not move."""
-    of = table(np.zeros(X.shape[1]), X, omega, duration)
-    return np.divide(of[:, 0], of[:, 4], out=np.zeros(len(of)), where=of[:, 4] > 0)
+    told = table(np.zeros(X.shape[1]), X, of)
+    return np.divide(told[:, 0], told[:, 4], out=np.zeros(len(told)), where=told[:, 4] > 0)
 
 
-def fastest(V: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
-    """The largest sizes (n,), in either sense, of rates of lines (nw, n): that of one harmonic, or those expected."""
-    m0, m2, most = _sums(V, omega)
+def fastest(V: np.ndarray, of: Process) -> np.ndarray:
+    """The largest sizes (n,), in either sense, of rates of lines (nw, n): those that there are, or are expected."""
+    m0, m2, most = _sums(V, of.omega)
     if len(V) == 1:
         return most
-    beyond = np.array([_beyond(m0[i : i + 1], m2[i : i + 1], duration) for i in range(m0.size)])
+    if (rates := of.sampled(V)) is not None:
+        return np.abs(rates).max(axis=0)
+    beyond = np.array([_beyond(m0[i : i + 1], m2[i : i + 1], of.duration) for i in range(m0.size)])
     return np.minimum(np.sqrt(0.5 * m0 * (1 + beyond)), most)
 
 
@@ -158,9 +201,7 @@ class Axes(NamedTuple):
         return (self.load(v) + self.stiffness * (self.level + y)) * v
 
 
-def electrical_table(
-    efficiency: PtoEfficiency, axes: Axes, absorbed: np.ndarray, omega: np.ndarray, duration: float
-) -> np.ndarray:
+def electrical_table(efficiency: PtoEfficiency, axes: Axes, absorbed: np.ndarray, of: Process) -> np.ndarray:
     """(5,) of Σ g(Pᵢ), Pᵢ = (fᵢ + kᵢyᵢ) vᵢ and g the efficiency of each axis, see PtoEfficiency.
 
     Without stiffness that of what is absorbed, statistics (5,). Else the mean is that of each axis, see `_absorbed`,
@@ -169,8 +210,8 @@ def electrical_table(
     in `power_table`, positions from their means, with the loss that the sum would have.
     """
     c, k, V = axes.damping, axes.stiffness, axes.rate
-    if len(V) == 1:
-        return moments(efficiency.electrical(axes.power(sampled(axes.position), sampled(V))).sum(axis=1)[:, None])[0]
+    if (rates := of.sampled(V)) is not None and (positions := of.sampled(axes.position)) is not None:
+        return tabulated(efficiency.electrical(axes.power(positions, rates)).sum(axis=1)[:, None])[0]
     if not k.any():
         return efficiency.generating * absorbed
     both = np.concatenate([axes.position, V], axis=1)
@@ -183,7 +224,7 @@ def electrical_table(
     taken, given = (_absorbed(s * load, np.abs(k) * sigma[:n], s * k * axes.level, sigma[n:]) for s in (1, -1))
     mean = efficiency.generating * taken.sum() - given.sum() / efficiency.motoring
     parts = np.linalg.eigvals(A @ S).real
-    ends = np.array([parts.max(), parts.min()]) * _beyond(*_sums(V, omega)[:2], duration)
+    ends = np.array([parts.max(), parts.min()]) * _beyond(*_sums(V, of.omega)[:2], of.duration)
     high, low = efficiency.electrical(parts.sum() + ends)
     return np.array([high, min(low, 0.0), mean, np.hypot(mean, std), std])
 
@@ -214,17 +255,17 @@ def _normal(S: np.ndarray) -> np.ndarray:
     return np.concatenate([points, -points])
 
 
-def compression_table(mean: np.ndarray, X: np.ndarray, omega: np.ndarray, duration: float) -> np.ndarray:
+def compression_table(mean: np.ndarray, X: np.ndarray, of: Process) -> np.ndarray:
     """(n, 5) of σ = a - |v|, v = (b, c), the most compressive fibre, for means (n, 3) and lines (nw, n, 3) of a, b, c.
 
     σ is the least of all fibres a - v·e(φ): the least σ is the least that any of them is expected to see, and
     the largest is not above any one's largest, nor above a's.
     """
-    if len(X) == 1:
-        a, b, c = np.moveaxis(mean + sampled(X.reshape(1, -1)).reshape(PHASES, *mean.shape), -1, 0)
-        return moments(a - np.hypot(b, c))
+    if (values := of.sampled(X.reshape(len(X), -1))) is not None:
+        a, b, c = np.moveaxis(mean + values.reshape(-1, *mean.shape), -1, 0)
+        return tabulated(a - np.hypot(b, c))
     out = np.empty((len(mean), 5))
-    _compressed(mean, X, omega**2, duration, _directions(PHASES)[: PHASES // 2], _fibres(), out)
+    _compressed(mean, X, of.omega**2, of.duration, _directions(PHASES)[: PHASES // 2], _fibres(), out)
     return out
 
 

@@ -177,7 +177,7 @@ def _extremes(
     skewness = np.abs(np.mean(y[:, used] ** 3, axis=0)) / square[used] ** 1.5 * more
     beyond = np.mean(y[:, used] ** 4, axis=0) / square[used] ** 2
     beyond -= np.mean(linear[:, used] ** 4, axis=0) / np.mean(linear[:, used] ** 2, axis=0) ** 2
-    u = gaussian.peak(told[:, used], case.omega, case.duration)
+    u = gaussian.peak(told[:, used], case.process)
     return float(np.max(beyond_rayleigh(np.maximum(beyond, 0.0), u) + skewness * (u - 1 / u) / 6))
 
 

@@ -31,11 +31,12 @@ def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
     if "pto_stroke" not in case.system.scene.settings.outputs or not case.channels.axes:
         return
     joints, rates = joint_lines(case, response), rate_lines(case, response)
-    ends = gaussian.table(np.zeros(joints.shape[1]), joints, response.omega, case.duration)
-    mean_size = np.sqrt(8) / np.pi if len(rates) == 1 else np.sqrt(2 / np.pi)  # over the std: harmonic, or Gaussian
+    ends = gaussian.table(np.zeros(joints.shape[1]), joints, case.process)
+    values = case.process.sampled(rates)
+    size = np.sqrt(2 / np.pi) * gaussian.spread(rates) if values is None else np.abs(values).mean(axis=0)
     for name, values in (
         ("pto_stroke", ends[:, 0] - ends[:, 1]),
-        ("pto_travel", 3600 * mean_size * gaussian.spread(rates)),
+        ("pto_travel", 3600 * size),
     ):
         yield name, (("float", "axis"), case.channels.by_axis(values[None])[0])
 
@@ -57,7 +58,7 @@ def tables_of(case: Case, outputs: list[Output]) -> dict[str, np.ndarray]:
     mean = np.empty(every.shape[1])
     for end, (_, level, lines) in zip(ends, outputs, strict=True):
         mean[end - lines[0].size : end] = np.ravel(level)
-    table = gaussian.table(mean, every, case.omega, case.duration)
+    table = gaussian.table(mean, every, case.process)
     return {
         name: table[end - lines[0].size : end].reshape(*lines.shape[1:], -1)
         for end, (name, _, lines) in zip(ends, outputs, strict=True)
@@ -92,19 +93,19 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
         if name in tables and axes.size:
             at = owner[axes], [order.index(channels.names[j]) for j in axes]
             usual, lines = tables[name][at], of_lines[name][:, *at]
-            tables[name][at] = borne_table(of(law, nc + axes), rates[:, axes], usual, lines, case.omega, case.duration)
+            tables[name][at] = borne_table(of(law, nc + axes), rates[:, axes], usual, lines, case.process)
 
 
 def of_squares(case: Case, response: Response, frame: Forces, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:
     """Name and statistics of what no line makes."""
-    scene, channels, omega = case.system.scene, case.channels, case.omega
+    scene, channels = case.system.scene, case.channels
     if scene.floats:
         pto, rates, bends = response.pto, rate_lines(case, response), response.bends & ~response.stuck
         owned = [channels.owner == b for b in range(len(scene.floats))]
         powers = [
-            absorbed_table(pto_load(law, _of_law(case, i)), rates[:, i], omega, case.duration)
+            absorbed_table(pto_load(law, _of_law(case, i)), rates[:, i], case.process)
             if np.any(bends & i)
-            else gaussian.power_table(pto[i], rates[:, i], omega, case.duration)
+            else gaussian.power_table(pto[i], rates[:, i], case.process)
             for i in owned
         ]
         yield "absorbed_power", np.array(powers)
@@ -112,7 +113,7 @@ def of_squares(case: Case, response: Response, frame: Forces, law: JointLaw) -> 
             yield "electrical_power", np.array(list(_electrical(case, response, law, owned, powers)))
     if channels.steel is not None and channels.legs is not None:
         level, lines = (channels.steel.compression(y)[:, channels.legs.first] for y in frame)
-        of_legs = gaussian.compression_table(level[0], lines, omega, case.duration)
+        of_legs = gaussian.compression_table(level[0], lines, case.process)
         yield "bottom_stress", of_legs[channels.legs.twin]
 
 
@@ -129,7 +130,7 @@ def _electrical(
             continue
         load = pto_load(law, _of_law(case, i)), response.pto[i], f.per_axis("pto_stiffness")
         axes = gaussian.Axes(*load, level[i], joints[:, i], rates[:, i])
-        yield gaussian.electrical_table(f.pto_efficiency, axes, power, response.omega, case.duration)
+        yield gaussian.electrical_table(f.pto_efficiency, axes, power, case.process)
 
 
 def outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:

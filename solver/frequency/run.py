@@ -52,7 +52,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     if scene.floats:
         bend(case, response, law, linear, tables)
     if response.bends.any():
-        fastest = gaussian.fastest(rate_lines(case, response), omega, case.duration)
+        fastest = gaussian.fastest(rate_lines(case, response), case.process)
         bound(tables, scene, channels, joint_law(scene.floats), fastest)
         ways = np.stack([0 * fastest, fastest])  # tables are by rate alone
         beyond = beyond_tables(scene.floats, -ways, ways)
@@ -140,14 +140,14 @@ def _beyond_rayleigh(case: Case, response: Response) -> np.ndarray:
     """Extremes of the joints' motions (nj,) over those of Gaussian ones."""
     if not response.excess.any():
         return np.ones(response.excess.size)
-    peak = gaussian.peak(rate_lines(case, response), response.omega, case.duration)
+    peak = gaussian.peak(rate_lines(case, response), case.process)
     return beyond_rayleigh(response.excess, peak)
 
 
 def _stopped(case: Case, law: JointLaw, response: Response) -> list[str]:
     """See oddities.stopped."""
     borne, joints = response.pto * rate_lines(case, response), slice(case.system.structure.carrier.shape[0], None)
-    table = gaussian.table(np.zeros(borne.shape[1]), borne, response.omega, case.duration)
+    table = gaussian.table(np.zeros(borne.shape[1]), borne, case.process)
     holding = np.where(response.stuck, friction(law)[joints], np.inf)
     return list(stopped(case.system.scene.floats, holding, table))
 

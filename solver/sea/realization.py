@@ -17,7 +17,7 @@ class Realization:
     """η(x, t) = Re Σ aᵢ exp(i(kᵢ s - ωᵢ t)), s = x cos β + y sin β.
 
     omega (n,) [rad/s], amplitude (n,) complex a = A e^{iε} [m], heading β [rad].
-    repeat_period [s]: after this time the record repeats (inf for random intervals).
+    known: whether phases are given, not drawn.
     notes: sentences for the user on how the components came about.
     """
 
@@ -25,7 +25,7 @@ class Realization:
     amplitude: np.ndarray
     heading: float = 0.0
     peak_frequency: float = np.nan
-    repeat_period: float = np.inf
+    known: bool = False
     notes: tuple[str, ...] = ()
 
     def parameters(self) -> dict[str, float]:
@@ -78,7 +78,6 @@ def realize(
         amplitude=amplitude,
         heading=heading,
         peak_frequency=float(omega[np.argmax(density)]),
-        repeat_period=2 * np.pi / width if intervals == "even" else np.inf,
     )
     return replace(made, notes=_missed(made, spectrum, band))
 
@@ -122,7 +121,7 @@ def components(*, amplitude: ArrayLike, omega: ArrayLike, phase: ArrayLike, head
         amplitude=(A * np.exp(1j * e))[order],
         heading=heading,
         peak_frequency=float(w[np.argmax(np.abs(A))]),
-        repeat_period=2 * np.pi / float(w[0]) if w.size == 1 else np.inf,
+        known=True,
     )
 
 
@@ -156,7 +155,7 @@ def measured(*, time: ArrayLike, elevation: ArrayLike, band: tuple[float, float]
         amplitude=amplitude[inside],
         heading=heading,
         peak_frequency=float(omega[inside][np.argmax(smooth[inside])]),
-        repeat_period=n * step,
+        known=True,
         notes=(note,),
     )
 

@@ -8,6 +8,7 @@ from pytest import approx
 
 from solver.coupled.assembly import joint_law
 from solver.frequency import bent, gaussian
+from solver.frequency.gaussian import Process
 from solver.multibody.of_axes import joint_loads
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.run import simulate
@@ -42,7 +43,9 @@ def test_power_is_that_of_the_whole_law(laws):
     v = samples(V)
     power = joint_loads(law, 0 * v, v).pto * v
     for axes in ([0], [1], [0, 1]):
-        largest, least, mean, rms, std = bent.absorbed_table(bent.pto_load(law, axes), V[:, axes], omega, 3600.0)
+        largest, least, mean, rms, std = bent.absorbed_table(
+            bent.pto_load(law, axes), V[:, axes], Process(omega, 3600.0)
+        )
         exact = power[:, axes].sum(axis=1)
         assert mean == approx(exact.mean(), rel=5e-3)
         assert std == approx(exact.std(), rel=0.03)
@@ -60,7 +63,7 @@ def test_force_is_that_of_the_whole_law_with_all_that_is_linear(laws):
     exact = v[:, 2:] - load(v[:, :2])
     c = np.mean(load(v[:, :2]) * v[:, :2], axis=0) / np.mean(v[:, :2] ** 2, axis=0)
     F, mean = linear - c * V, np.array([50.0, -70.0])
-    table = bent.borne_table(load, V, gaussian.table(mean, F, omega, 3600.0), F, omega, 3600.0)
+    table = bent.borne_table(load, V, gaussian.table(mean, F, Process(omega, 3600.0)), F, Process(omega, 3600.0))
     assert table[:, 2] == approx(mean)
     assert table[:, 4] == approx(exact.std(axis=0), rel=0.01)
     assert table[:, 0] - mean == approx(np.quantile(exact, 1 - 2e-4, axis=0), rel=0.12)
@@ -72,10 +75,10 @@ def test_linear_laws_have_the_statistics_of_lines():
     load, c = bent.pto_load(law, [0, 1]), np.array([4e4, 1e4])
     for one in (slice(None), slice(7, 8)):
         rates, w = V[one], omega[one]
-        usual = gaussian.table(np.zeros(2), -c * rates, w, 3600.0)
-        assert bent.borne_table(load, rates, usual, -c * rates, w, 3600.0) == approx(usual, rel=1e-3)
-        power = gaussian.power_table(c, rates, w, 3600.0)
-        assert bent.absorbed_table(load, rates, w, 3600.0) == approx(power, rel=2e-2, abs=1e-9)
+        usual = gaussian.table(np.zeros(2), -c * rates, Process(w, 3600.0))
+        assert bent.borne_table(load, rates, usual, -c * rates, Process(w, 3600.0)) == approx(usual, rel=1e-3)
+        power = gaussian.power_table(c, rates, Process(w, 3600.0))
+        assert bent.absorbed_table(load, rates, Process(w, 3600.0)) == approx(power, rel=2e-2, abs=1e-9)
 
 
 @pytest.mark.parametrize(("build", "law", "limit"), [
@@ -108,7 +111,7 @@ def test_electrical_power_of_few_lines_varies_less_than_a_gaussian_processs():
         lambda v: 2.0 * v, np.array([2.0]), np.array([-3.0]), np.zeros(1), position, -1j * omega[:, None] * position
     )
     efficiency = PtoEfficiency(generating=0.9, motoring=0.7)
-    told = gaussian.electrical_table(efficiency, axes, np.zeros(5), omega, 3600.0)
+    told = gaussian.electrical_table(efficiency, axes, np.zeros(5), Process(omega, 3600.0))
     turn = np.exp(1j * rng.uniform(0, 2 * np.pi, (100_000, 4)))  # any phases, as they come in time
     power = efficiency.electrical(axes.power((turn @ position).real, (turn @ axes.rate).real)).ravel()
     assert told[[2, 4]] == approx([power.mean(), power.std()], rel=0.02)

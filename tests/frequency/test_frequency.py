@@ -14,6 +14,7 @@ from solver.errors import InputError, SimulationFailed
 from solver.frequency import condensed, gaussian, response
 from solver.frequency.case import case_of
 from solver.frequency.condensed import LANES, Condensed, _lanes, _side_by_side
+from solver.frequency.gaussian import Process
 from solver.frequency.response import respond
 from solver.run import simulate
 from solver.scene import Settings
@@ -96,7 +97,7 @@ def test_stress_of_the_most_compressive_fibre(mean, flat):
     X = (random.normal(size=(40, 3)) + 1j * random.normal(size=(40, 3))) * 0.15 * np.array([0.4, 1.0, 0.7])
     if flat:
         X[:, 2] = 0.0
-    table = gaussian.compression_table(mean[None], X[:, None], omega, 3600.0)[0]
+    table = gaussian.compression_table(mean[None], X[:, None], Process(omega, 3600.0))[0]
     t = np.arange(0, 3600.0, 0.25)
     records = []
     for _ in range(20):
@@ -116,7 +117,7 @@ def test_no_fibre_is_relieved_of_more_than_the_axial_force():
     random, omega = np.random.default_rng(5), np.linspace(0.7, 2.0, 40)
     X = random.normal(size=(40, 1, 3)) + 1j * random.normal(size=(40, 1, 3))
     X[..., 0] = 0.0
-    assert gaussian.compression_table(np.array([[-5.0, 0.0, 0.0]]), X, omega, 3600.0)[0, 0] == approx(-5.0)
+    assert gaussian.compression_table(np.array([[-5.0, 0.0, 0.0]]), X, Process(omega, 3600.0))[0, 0] == approx(-5.0)
 
 
 def test_statistics_of_several_lines():
@@ -125,7 +126,7 @@ def test_statistics_of_several_lines():
     random, omega = np.random.default_rng(4), np.linspace(0.7, 2.0, 30)
     X = random.normal(size=(30, 2, 2)) + 1j * random.normal(size=(30, 2, 2))
     X[:, 0, 1], X[1:, 1, 1] = np.nan, 0.0
-    table = gaussian.table(np.full((2, 2), 3.0), X, omega, 1000.0)
+    table = gaussian.table(np.full((2, 2), 3.0), X, Process(omega, 1000.0))
     top, bottom, mean, rms, std = np.moveaxis(table - [3.0, 3.0, 3.0, 0.0, 0.0], -1, 0)
     power = np.abs(X) ** 2
     m0, m2 = power.sum(axis=0) / 2, np.einsum("w,wij->ij", omega**2, power) / 2
@@ -140,7 +141,7 @@ def test_statistics_of_several_lines():
 def test_extremes_of_many_hours():
     """Elevation of a real sea: the narrow band's expected extremes are a few percent large."""
     waves = sea(Hs=2.0)
-    table = gaussian.table(np.array(0.3), waves.amplitude, waves.omega, 1000.0)
+    table = gaussian.table(np.array(0.3), waves.amplitude, Process(waves.omega, 1000.0))
     random, t = np.random.default_rng(0), np.arange(0, 1000.0, 0.2)
     largest = []
     for _ in range(60):
@@ -158,10 +159,10 @@ def test_power_of_a_gaussian_rate():
     V = np.zeros((omega.size, 2), complex)
     V[::2, 0], V[1::2, 1] = 0.1, 0.2
     c, power = np.array([2.0, 3.0]), 0.5 * np.array([count * 0.01, count * 0.04])
-    table = gaussian.power_table(c, V, omega, 3600.0)
+    table = gaussian.power_table(c, V, Process(omega, 3600.0))
     assert table[2] == approx(c @ power)
     assert table[4] == approx(np.sqrt(2) * np.linalg.norm(c * power), rel=3e-4)
-    one = gaussian.power_table(c[:1], V[:1, :1], omega[:1], 3600.0)
+    one = gaussian.power_table(c[:1], V[:1, :1], Process(omega[:1], 3600.0))
     assert one == approx([0.02, 0, 0.01, np.sqrt(0.375) * 0.02, 0.02 / np.sqrt(8)], abs=1e-9)
 
 
@@ -173,7 +174,7 @@ def test_power_of_few_lines_varies_less_than_a_gaussians(count):
     omega, c = np.array([1, 4, 13, 40, 121])[:count], np.array([2.0, 3.0])
     t = 2 * np.pi * np.arange(500) / 500
     power = (np.exp(-1j * np.outer(t, omega)) @ V).real ** 2 @ c
-    table = gaussian.power_table(c, V, omega.astype(float), 1e4)
+    table = gaussian.power_table(c, V, Process(omega.astype(float), 1e4))
     assert table[2:] == approx([power.mean(), np.sqrt(np.mean(power**2)), power.std()])
 
 
@@ -511,3 +512,22 @@ def test_what_a_stationary_response_makes_no_use_of_is_said(name):
     assert [text.split(":")[0] for text in added.split("; ")[1:]] == [f"floats.{body.name}.offset", "time_step"]
     for key, (_, values) in usual.variables.items():
         assert np.array_equal(values, given.variables[key][1], equal_nan=values.dtype.kind == "f"), key
+
+
+@pytest.mark.parametrize("name", ["oblique", "big_beside_small", "unequal_legs"])
+def test_a_wave_group_is_told_as_it_is(name):
+    """Waves of known phases that meet: what a march's record has, of power's std and of extremes, too."""
+    scene, h = SCENES[name]()
+    omega = 1.0 + 0.05 * np.arange(25)
+    height = 0.002 * np.exp(-(((omega - 1.5) / 0.4) ** 2))
+    group = components(amplitude=height, omega=omega, phase=omega * 90.0, heading=scene.sea.heading)
+    settings = replace(scene.settings, froude_krylov="linear", duration=80.0, discard=60.0, ramp=20.0)
+    scene = replace(scene, sea=group, settings=settings)
+    march, told = simulate(scene, h), simulate(replace(scene, settings=replace(settings, method="frequency")), h)
+    for of in ("wave_elevation", "rotation", "motion", "absorbed_power", "hinge_force", "top_displacement"):
+        if of in march.variables:
+            exact, ours = (r.variables[of][1] for r in (march, told))
+            size = np.nanmax(exact[..., 4], initial=0.0)
+            used = exact[..., 4] > 0.02 * size
+            assert ours[used] == approx(exact[used], rel=0.02, abs=0.02 * size)
+    assert told.variables["wave_elevation"][1][0] == approx(height.sum(), rel=0.01)

@@ -201,7 +201,7 @@ def test_in_a_sea_it_is_told_as_the_march_shows(name, angle):
     force = force.reshape(len(force), -1)
     y = record.series["hinge_force"][1].reshape(-1, force.shape[1])
     used = y.std(axis=0) > 0.02 * y.std(axis=0).max()
-    u = gaussian.peak(force[:, used], case.omega, case.duration)
+    u = gaussian.peak(force[:, used], case.process)
     assert told - 1 == approx(np.max(np.abs(skew(y[:, used])) * (u - 1 / u)) / 6, rel=0.5, abs=0.13)
 
 

@@ -9,6 +9,7 @@ from pytest import approx
 
 from solver.errors import InputError, SimulationFailed
 from solver.frequency import gaussian
+from solver.frequency.gaussian import Process
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.power_takeoff import PtoEfficiency
@@ -132,8 +133,8 @@ def axes_at_work(dampers, stiffness, level):
 
 
 def electrical(efficiency, axes, omega):
-    absorbed = gaussian.power_table(axes.damping, axes.rate, omega, 3600.0)
-    return gaussian.electrical_table(efficiency, axes, absorbed, omega, 3600.0)
+    absorbed = gaussian.power_table(axes.damping, axes.rate, Process(omega, 3600.0))
+    return gaussian.electrical_table(efficiency, axes, absorbed, Process(omega, 3600.0))
 
 
 @pytest.mark.parametrize("level", [(0.0, 0.0), (0.4, -0.2)])
@@ -167,7 +168,7 @@ def test_expected_electrical_power_of_one_axis_is_its_closed_form():
         whole = 2.0 * v**2
         assert mean == approx(0.85 * (size + whole) / 2 - (size - whole) / 2 / 0.6, rel=1e-6)
     axes, omega = axes_at_work((2.0, 0.7), (0.0, 0.0), (0.1, 0.0))
-    mechanical = gaussian.power_table(axes.damping, axes.rate, omega, 3600.0)
+    mechanical = gaussian.power_table(axes.damping, axes.rate, Process(omega, 3600.0))
     assert electrical(efficiency, axes, omega) == approx(0.85 * mechanical)
 
 

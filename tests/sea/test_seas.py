@@ -87,7 +87,7 @@ def test_a_measured_record_comes_back_at_its_samples(n):
     eta = np.random.default_rng(n).normal(size=n)
     sea = measured(time=t, elevation=eta, band=(1e-6, 100.0))
     assert elevation(sea, t) == approx(eta - eta.mean(), abs=1e-9)
-    assert elevation(sea, t + sea.repeat_period) == approx(eta - eta.mean(), abs=1e-9)
+    assert elevation(sea, t + 0.25 * n) == approx(eta - eta.mean(), abs=1e-9)
 
 
 def test_a_measured_record_says_what_it_leaves_out():
