@@ -82,6 +82,9 @@ def test_lines_that_balance_each_other_leave_rounding_alone(count, start):
     item = ball(motion=("surge", "sway", "heave"), cog=(0, 0, -1), lines=lines)
     (found,) = balanced([item], DEEP, [("mass",)])
     assert np.abs(found.pulls[:2]).max() > 0 and imbalance(found, DEEP) == ()
+    carried = (rotor(on="raft", motion=()), replace(item, on="rotor", motion=("heave",)))
+    floats = balanced([raft(), *carried], DEEP, [("mass", "x", "y"), (), ()])
+    assert imbalance(floats[0], DEEP, floats) == ()
 
 
 def test_a_line_that_pulls_by_more_than_the_others_is_told():
