@@ -25,6 +25,8 @@ from solver.sea.current import Current
 from solver.sea.field import WaveField, wave_field
 from solver.sea.realization import CALM
 
+SAME = 1e-6  # of what a hull displaces
+
 
 def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMemory | None = None) -> System:
     """The scene as arrays, with another radiation memory if given; InputError for coefficients of another scene."""
@@ -160,6 +162,11 @@ def _check_same(scene: Scene, h: Hydrodynamics, far: bool) -> None:
             raise InputError(key, value, f"must be {limit:g}, that of the coefficients")
     if not np.abs(places - h.centres).max(initial=0.0) <= 1e-6:
         raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
+    for item, known in zip(scene.floats, h.displaced_mass, strict=True):
+        displaced = water.density * item.hull.volume
+        if known and not abs(displaced - known) <= SAME * displaced:  # 0: of no buoyancy
+            limit = f"must displace {known:.6g} kg, as of the coefficients"
+            raise InputError(f"floats.{item.name}.hull", f"{displaced:.6g} kg displaced", limit)
     if len(places) > 1 and scene.settings.interaction != h.interacting:
         said = f"must be {str(h.interacting).lower()}, as of the coefficients"
         raise InputError("settings.interaction", scene.settings.interaction, said)

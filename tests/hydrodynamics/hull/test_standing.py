@@ -93,12 +93,16 @@ def test_the_ground_bears_weight_less_buoyancy_and_the_waves_on_the_walls():
     assert simulate(item, h).variables["hinge_force"][1][0, 0, statistic.index("std")] == approx(std, rel=1e-9)
 
 
-def test_coefficients_are_of_the_waves_on_what_stands():
-    """Whose pressure is linear beside a float whose is not."""
+def test_coefficients_are_of_the_waves_on_what_stands_and_of_these_hulls():
+    """Whose pressure is linear beside a float whose is not; a hull of the same form a hundredth larger is another."""
     item = scene(diffraction=False)
     h = coefficients(item)
     with pytest.raises(InputError, match=r"sea.heading = 0.3: must be 0 rad, that of the coefficients"):
         prepare(replace(item, sea=replace(item.sea, heading=0.3)), h)
+    stood, ball = item.floats
+    larger = Revolution.hemisphere_cylinder(radius=1.01, height=0.6)
+    with pytest.raises(InputError, match=r"floats.ball.hull = 22\d\d.* kg displaced: must displace 21\d\d"):
+        prepare(replace(item, floats=(stood, replace(ball, hull=larger))), h)
 
 
 def test_what_stands_has_a_flat_foot_and_does_not_move():
