@@ -30,7 +30,7 @@ from solver.scene import DOFS, PER_AXIS, Float, Scene
 from solver.sea.field import WaveField
 
 Axis = tuple[bool, np.ndarray, tuple[float, float, float], int]  # see _chains
-KNOWN = 8  # seas with a platform and floats' coefficients whose rows a process keeps
+KNOWN = 8  # sets of rows, joint laws and structures that a process keeps, of each
 SPIN = 3  # number of the first rotation among the six DOF
 GAUSS = np.polynomial.legendre.leggauss(48)
 
