@@ -18,6 +18,7 @@ from solver.multibody.bodies import Bodies, PressureRoom, pressure_room
 # without coefficients nothing stands for it. A piece of a step, whose tolerance goes by its length, may be farther by
 # as much as it is shorter.
 NEAR = 25.0
+LEAST = 1e-13  # of Newton's tolerances [m or rad]
 
 OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED, TO_AND_FRO = range(6)
 # Of end stops: number of hits, largest rate at one [m/s or rad/s], largest load [N or N m].
@@ -132,7 +133,7 @@ def new_problem(
 ) -> Problem:
     """Constants for steps of dt [s]; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
     nz = bodies.mechanism.size
-    inverse, H = flexibility(structure, dt, LOBATTO)
+    inverse, H = flexibility(structure, dt)
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
     fixed = (stiffness, np.array(beta, complex), bent, pace, swing)  # read-only poles would be another type to compile

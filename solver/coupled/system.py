@@ -11,7 +11,7 @@ from solver.coupled.equilibrium import Differences, balance, differences, equili
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, WaterAbout, drag
 from solver.coupled.pieces.pace import SWING
-from solver.coupled.problem import Drive, Problem, new_problem
+from solver.coupled.problem import LEAST, Drive, Problem, new_problem
 from solver.coupled.stages import State
 from solver.coupled.support import Support
 from solver.errors import SimulationFailed
@@ -28,7 +28,6 @@ from solver.structure.load_history import LoadHistory
 
 FELT = 0.1  # of a float's largest force per wave amplitude: by no more do waves push whose pressure may be linear
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
-LEAST = 1e-13  # of Newton's tolerances [m or rad]
 ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 steps of either sign
 LAST_BIT = np.finfo(float).eps
 BALANCE = 1e-3  # every record's energy balance closes to so much of the energy exchanged

@@ -8,12 +8,11 @@ from solver.coupled.between import NODES, nearest
 from solver.coupled.memory import Memory
 from solver.coupled.modal import fill_flexibility
 from solver.coupled.newton import shorter_part
-from solver.coupled.problem import Drive, Problem
+from solver.coupled.problem import LEAST, Drive, Problem
 from solver.coupled.scheme import SMOOTHING, Scheme
 from solver.kernels import inner_kernel, lean_kernel, part_kernel
 
 SHORT = 0.25  # of a step: in such pieces pressure and drag are evaluated at their ends alone
-LEAST = 1e-13  # of Newton's tolerances [m or rad]
 ONE: Any = np.int64(1)  # a bare 1 is of another type, with which all that it is handed to would be compiled once more
 
 
