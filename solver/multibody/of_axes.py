@@ -156,11 +156,6 @@ def holds(law: JointLaw) -> np.ndarray:
     return (law.coulomb > 0) | latched(law)
 
 
-def friction(law: JointLaw) -> np.ndarray:
-    """By which power take-offs withstand loads at rest, latches aside (n,) [N or N m]."""
-    return np.minimum(law.coulomb, law.force_limit)
-
-
 def limits(law: JointLaw) -> np.ndarray:
     """Beyond which the load of a power take-off no longer rises (n,) [N or N m]; infinite where it always does."""
     return law.force_limit
