@@ -152,10 +152,10 @@ def _passed_on(item: Float, water: Water, floats: Sequence[Float]) -> tuple[np.n
     for line, pull in zip(item.lines, line_pulls(item.lines, item.centre), strict=True):
         force += pull
         moment += np.cross(np.add(item.arm, line.fairlead), pull)
-    held, (turns, D) = item.per_axis("preload") + item.moored.pretension, _turns(item)
+    constant, (turns, D) = item.per_axis("preload") + item.moored.pretension, _turns(item)
     slides = item.directions[~turns]
-    force -= slides.T @ (slides @ force + held[~turns])
-    return force, moment - np.linalg.pinv(D) @ (D @ moment + held[turns])
+    force -= slides.T @ (slides @ force + constant[~turns])
+    return force, moment - np.linalg.pinv(D) @ (D @ moment + constant[turns])
 
 
 def _turns(item: Float) -> tuple[np.ndarray, np.ndarray]:

@@ -23,6 +23,7 @@ from solver.frequency.rotation import rotation_effect, turned
 from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
 from solver.multibody.joint_law import JointLaw
+from solver.multibody.of_axes import friction
 from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, skewed, stopped
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
@@ -147,7 +148,7 @@ def _stopped(case: Case, law: JointLaw, response: Response) -> list[str]:
     """See oddities.stopped."""
     borne, joints = response.pto * rate_lines(case, response), slice(case.system.structure.carrier.shape[0], None)
     table = gaussian.table(np.zeros(borne.shape[1]), borne, response.omega, case.duration)
-    holding = np.where(response.stuck, law.coulomb[joints], np.inf)
+    holding = np.where(response.stuck, friction(law)[joints], np.inf)
     return list(stopped(case.system.scene.floats, holding, table))
 
 

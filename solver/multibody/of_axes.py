@@ -156,6 +156,11 @@ def holds(law: JointLaw) -> np.ndarray:
     return (law.coulomb > 0) | latched(law)
 
 
+def friction(law: JointLaw) -> np.ndarray:
+    """By which power take-offs withstand loads at rest, latches aside (n,) [N or N m]."""
+    return law.coulomb
+
+
 def limits(law: JointLaw) -> np.ndarray:
     """Beyond which the load of a power take-off no longer rises (n,) [N or N m]; infinite where it always does."""
     return law.force_limit
