@@ -63,12 +63,12 @@ def _into_axes(R: np.ndarray, x: np.ndarray, out: np.ndarray) -> np.ndarray:
 
 
 @kernel(inline="always")
-def _add_turned(R: np.ndarray, x: np.ndarray, share: float, out: np.ndarray) -> None:
-    """out (6,) += share times R of both halves of x (6,)."""
+def _add_turned(R: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
+    """out (6,) += R of both halves of x (6,)."""
     a, b, c = rotated(R, x[:3])
-    out[0], out[1], out[2] = out[0] + share * a, out[1] + share * b, out[2] + share * c
+    out[0], out[1], out[2] = out[0] + a, out[1] + b, out[2] + c
     a, b, c = rotated(R, x[3:])
-    out[3], out[4], out[5] = out[3] + share * a, out[4] + share * b, out[5] + share * c
+    out[3], out[4], out[5] = out[3] + a, out[4] + b, out[5] + c
 
 
 @part_kernel
@@ -195,7 +195,7 @@ def _add_along(bodies: Bodies, b: int, motion: Motion, field: np.ndarray, out: n
 def _add_linear(bodies: Bodies, b: int, motion: Motion, load: np.ndarray, out: np.ndarray) -> None:
     """out (6,) += load (6,) of the waves' diffraction, linear pressure or radiation, given along its axes."""
     if bodies.turning:
-        _add_turned(motion.rotation[b], load, 1.0, out)
+        _add_turned(motion.rotation[b], load, out)
     else:
         for r in range(6):
             out[r] += load[r]
