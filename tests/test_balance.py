@@ -335,6 +335,8 @@ def test_what_holds_a_float_up_its_carrier_bears():
     told = "along {} loads of joints and lines of what it carries of {:.4g} N"
     assert told.format("surge", x) in text and told.format("sway", y) in text and told.format("heave", z) not in text
     assert balanced(floats, DEEP, [("hold",), ()])[0].preload[:2] == pytest.approx((-x, -y))
+    (text,) = imbalance(replace(floats[0], motion=("surge",), stiffness=1e5), DEEP, floats)
+    assert told.format("surge", x) in text and "kg" not in text  # what cannot move up and down is not weighed
 
 
 @pytest.mark.parametrize("axes", [("pitch",), ("heave", "pitch"), ("surge", "pitch"), ("heave",)])
