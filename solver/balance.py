@@ -29,38 +29,45 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
 
     A float so held moves to its equilibrium before the run; that is rarely what was meant.
     """
-    displaced, hung = water.density * item.hull.volume, list(_hung(item, floats))
-    pressed = -sum(f.per_axis("preload")[f.motion.index("heave")] for f in hung if "heave" in f.motion)
+    displaced, borne = water.density * item.hull.volume, list(_borne(item, floats))
+    pressed, _ = _carried(item, water, floats)
+    pressed[2] -= sum(load for f in borne for _, load in _loads(f, water))
     weighed, reasons = False, []
     preloads = item.per_axis("preload")
     for (name, weight, buoyancy, pull), preload in zip(_along(item, water, floats), preloads, strict=True):
-        limit = ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity))
+        limit = ALLOWED * max(abs(weight), abs(buoyancy), _least(item, name, displaced * water.gravity, floats))
         if abs(weight + buoyancy + pull) <= limit:
             continue
-        if abs(weight + buoyancy) > limit or abs(pull) <= limit:  # else it is by the pull alone
+        # Else it is by the pull alone, or by that of what it carries: neither weighs along the horizontal.
+        if name not in LEVEL_AXES and (abs(weight + buoyancy) > limit or abs(pull) <= limit):
             weighed |= name == "heave" or "heave" not in item.motion
             if name not in DOFS[:3]:
-                what = "weight and of what it carries" if hung else "weight"
+                what = "weight and of what it carries" if any(f.on == item.name for f in floats) else "weight"
                 reasons.append(f"{name}: moment of {what} {weight:.4g} N m, of buoyancy {buoyancy:.4g} N m")
-        loads = preload, pull - preload, pressed * (name == "heave")
+        loads = preload, pull - preload, item.direction(name) @ pressed if name in DOFS[:3] else 0.0
         reasons += _pulled(name, *(load if abs(load) > ROUNDING * limit else 0.0 for load in loads))
-    told = "; ".join([*([_weighed(item, hung, water)] if weighed else []), *reasons])
+    told = "; ".join([*([_weighed(item, borne, water)] if weighed else []), *reasons])
     if not told:
         return ()
     return (f"floats.{item.name} is out of equilibrium: {told}. It settles before the run begins" + _odd(item, water),)
 
 
 def _hung(item: Float, floats: Sequence[Float]) -> Iterator[Float]:
-    """Floats whose vertical loads a float bears: their weight and buoyancy, or of one that heaves on it the preload."""
+    """All that a float carries, and what that carries."""
     for f in [f for f in floats if f.on == item.name]:
         yield f
-        if "heave" not in f.motion:
-            yield from _hung(f, floats)
+        yield from _hung(f, floats)
 
 
-def _weighed(item: Float, hung: Sequence[Float], water: Water) -> str:
+def _borne(item: Float, floats: Sequence[Float]) -> Iterator[Float]:
+    """Those whose weight and buoyancy it bears: of what heaves it bears the load of the joint."""
+    for f in [f for f in floats if f.on == item.name and "heave" not in f.motion]:
+        yield f
+        yield from _borne(f, floats)
+
+
+def _weighed(item: Float, borne: Sequence[Float], water: Water) -> str:
     """Mass and displacement [kg] of a float, and those summed with the floats that do not heave on it."""
-    borne = [f for f in hung if "heave" not in f.motion]
     told = []
     for group, words in (([item], ""), ([item, *borne], f"with {', '.join(f.name for f in borne)}: ")):
         mass, displaced = sum(f.mass for f in group), water.density * sum(f.hull.volume for f in group)
@@ -70,7 +77,11 @@ def _weighed(item: Float, hung: Sequence[Float], water: Water) -> str:
 
 def _pulled(name: str, preload: float, lines: float, pressed: float) -> Iterator[str]:
     """Constant loads of a joint along an axis, beside weight and buoyancy; nothing where there are none."""
-    loads = {"a preload": preload, "a pull of mooring or lines": lines, "preloads of what it carries": pressed}
+    loads = {
+        "a preload": preload,
+        "a pull of mooring or lines": lines,
+        "loads of joints and lines of what it carries": pressed,
+    }
     if told := [f"{word} of {load:.4g} {load_unit_along(name)}" for word, load in loads.items() if load]:
         yield f"along {name} {' and '.join(told)}"
 
@@ -86,7 +97,7 @@ def held(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tuple[str
     sentences = []
     for (name, *both, _), pull in zip(_along(item, water, floats), item.per_axis("preload"), strict=True):
         weight, buoyancy = both
-        if any(both) and abs(pull) > max(min(map(abs, both)), _least(item, name, displaced * water.gravity)):
+        if any(both) and abs(pull) > max(min(map(abs, both)), _least(item, name, displaced * water.gravity, floats)):
             sentences.append(
                 f"floats.{item.name}: a preload of {pull:.4g} {load_unit_along(name)} in {name} holds what"
                 f" weight, {weight:.4g}, and buoyancy, {buoyancy:.4g}, do not balance within a factor of 2: mass"
@@ -108,41 +119,43 @@ def _odd(item: Float, water: Water) -> str:
 
 def _along(item: Float, water: Water, floats: Sequence[Float]) -> Iterator[tuple[str, float, float, float]]:
     """Axes of a joint; along each the load at rest of weight and what is carried, of buoyancy, and of the joint."""
-    displaced = water.density * item.hull.volume
     force, moment = _carried(item, water, floats)
     for name, pull in zip(item.motion, item.pulls, strict=True):
-        weight, buoyancy = (_work(item, name, *load) for load in _loads(item, displaced, water.gravity))
-        weight += float(item.direction(name) @ moment) if name not in DOFS[:3] else force * (name == "heave")
+        weight, buoyancy = (_work(item, name, *load) for load in _loads(item, water))
+        weight += float(item.direction(name) @ (force if name in DOFS[:3] else moment))
         yield name, weight, buoyancy, pull
 
 
-def _loads(item: Float, displaced: float, gravity: float) -> Iterator[tuple[np.ndarray, float]]:
+def _loads(item: Float, water: Water) -> Iterator[tuple[np.ndarray, float]]:
     """Point and vertical force of weight and of buoyancy, at rest."""
-    yield item.centre + item.cog, -item.mass * gravity
-    yield item.centre + item.hull.buoyancy_point, displaced * gravity
+    yield item.centre + item.cog, -item.mass * water.gravity
+    yield item.centre + item.hull.buoyancy_point, water.density * item.hull.volume * water.gravity
 
 
-def _carried(item: Float, water: Water, floats: Sequence[Float]) -> tuple[float, np.ndarray]:
-    """Vertical force [N] and moment about a float's joint (3,) [N m], at rest, of the floats that it carries."""
-    force, moment = 0.0, np.zeros(3)
+def _carried(item: Float, water: Water, floats: Sequence[Float]) -> tuple[np.ndarray, np.ndarray]:
+    """Force (3,) [N] and moment about a float's joint (3,) [N m], at rest, of the floats that it carries."""
+    force, moment = np.zeros(3), np.zeros(3)
     for f in floats:
         if f.on == item.name:
-            lift, turning = _passed_on(f, water, floats)
-            force += lift
-            moment += turning + _moment(np.subtract(f.hinge, item.hinge), lift)
+            load, turning = _passed_on(f, water, floats)
+            force += load
+            moment += turning + np.cross(np.subtract(f.hinge, item.hinge), load)
     return force, moment
 
 
-def _passed_on(item: Float, water: Water, floats: Sequence[Float]) -> tuple[float, np.ndarray]:
-    """Vertical force [N] and moment (3,) [N m] of a float on its joint: what its axes leave, and their preloads."""
+def _passed_on(item: Float, water: Water, floats: Sequence[Float]) -> tuple[np.ndarray, np.ndarray]:
+    """Force (3,) [N] and moment (3,) [N m] of a float on its joint: what its axes leave, and their constant loads."""
     force, moment = _carried(item, water, floats)
-    for point, load in _loads(item, water.density * item.hull.volume, water.gravity):
-        force += load
+    for point, load in _loads(item, water):
+        force[2] += load
         moment += _moment(point - item.hinge, load)
-    turns, D = _turns(item)
-    preload = item.per_axis("preload")
-    pressed = -_along_heave(item, preload) if "heave" in item.motion else force
-    return pressed, moment - np.linalg.pinv(D) @ (D @ moment + preload[turns])
+    for line, pull in zip(item.lines, line_pulls(item.lines, item.centre), strict=True):
+        force += pull
+        moment += np.cross(np.add(item.arm, line.fairlead), pull)
+    constant, (turns, D) = item.per_axis("preload") + item.moored.pretension, _turns(item)
+    slides = item.directions[~turns]
+    force -= slides.T @ (slides @ force + constant[~turns])
+    return force, moment - np.linalg.pinv(D) @ (D @ moment + constant[turns])
 
 
 def _turns(item: Float) -> tuple[np.ndarray, np.ndarray]:
@@ -172,16 +185,18 @@ def _work(item: Float, name: str, point: np.ndarray, force: float) -> float:
     return float(item.direction(name) @ _moment(point - item.hinge, force))
 
 
-def _least(item: Float, name: str, buoyancy: float) -> float:
+def _least(item: Float, name: str, buoyancy: float, floats: Sequence[Float]) -> float:
     """What a load along an axis is held against, beside weight and buoyancy [N or N m].
 
     Moments are small where both forces pass by the axis: then the hull's size is the lever. Along the horizontal, where
-    neither acts, pulls are held against the sum of their sizes: of lines that balance each other rounding is left.
+    neither acts, pulls are held against the sum of their sizes, with what is carried: of lines that balance each other
+    rounding is left.
     """
     if name not in LEVEL_AXES:
         return 0.0 if name == "heave" else buoyancy * item.hull.scale
     i = item.motion.index(name)
-    lines = float(np.linalg.norm(line_pulls(item.lines, item.centre), axis=1).sum())
+    every = (line_pulls(f.lines, f.centre) for f in (item, *_hung(item, floats)))
+    lines = sum(float(np.linalg.norm(pulls, axis=1).sum()) for pulls in every)
     return lines + float(abs(item.moored.pretension[i]) + abs(item.per_axis("preload")[i]))
 
 
@@ -226,12 +241,12 @@ def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[
 
 
 def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collection[str]) -> Float:
-    displaced, (carried, turning) = water.density * item.hull.volume, _carried(item, water, floats)
+    displaced, ((*_, carried), turning) = water.density * item.hull.volume, _carried(item, water, floats)
     pulls, (turns, D) = item.pulls, _turns(item)
     mass = displaced + (carried + _along_heave(item, pulls)) / water.gravity if "mass" in sought else item.mass
     if not mass > 0:
         lift = f"{displaced:.6g} kg displaced, {displaced * water.gravity:.4g} N"
-        limit = f"leaves nothing: {lift}, do not bear {_borne(item, carried)}"
+        limit = f"leaves nothing: {lift}, do not bear {_told(item, carried)}"
         raise InputError(f"floats.{item.name}.mass", "balance", limit)
     places = [axis for axis in "xy" if axis in sought]
     if not places:
@@ -257,7 +272,7 @@ def _balanced(item: Float, water: Water, floats: Sequence[Float], sought: Collec
     return replace(item, mass=mass, cog=(x, y, item.cog[2]))
 
 
-def _borne(item: Float, carried: float) -> str:
+def _told(item: Float, carried: float) -> str:
     """What the buoyancy bears beside the weight, that of the floats carried [N] first, and which lines are odd."""
     axes = zip(item.motion, item.per_axis("preload"), item.pulls, strict=True)
     along = (_pulled(name, preload, pull - preload, 0.0) for name, preload, pull in axes if name == "heave")

@@ -129,6 +129,8 @@ class Mooring:
 
     def _shapes(self) -> Iterator[InputError]:
         size = len(self.stiffness)
+        if not size:
+            yield InputError("mooring.stiffness", self.stiffness, "must have rows: one for each axis, or six")
         for name, matrix in (("stiffness", self.stiffness), ("damping", self.damping)):
             if matrix is not None and (len(matrix) != size or any(len(row) != size for row in matrix)):
                 yield InputError(f"mooring.{name}", matrix, f"must be square, with {size} rows as `stiffness` has")

@@ -10,7 +10,7 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.mooring import Line, Mooring
+from solver.mooring import Line, Mooring, line_pulls
 from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
@@ -82,6 +82,9 @@ def test_lines_that_balance_each_other_leave_rounding_alone(count, start):
     item = ball(motion=("surge", "sway", "heave"), cog=(0, 0, -1), lines=lines)
     (found,) = balanced([item], DEEP, [("mass",)])
     assert np.abs(found.pulls[:2]).max() > 0 and imbalance(found, DEEP) == ()
+    carried = (rotor(on="raft", motion=()), replace(item, on="rotor", motion=("heave",)))
+    floats = balanced([raft(), *carried], DEEP, [("mass", "x", "y"), (), ()])
+    assert imbalance(floats[0], DEEP, floats) == ()
 
 
 def test_a_line_that_pulls_by_more_than_the_others_is_told():
@@ -173,8 +176,10 @@ def test_what_heaves_on_a_float_presses_on_it_by_its_preload_alone():
     arm = rotor(at=(-20.0, 4.0), on="raft", mass=1000 * ROTOR.volume, motion=())
     load = rotor("load", (-20.0, 4.0), on="ball", motion=())
     (text,) = imbalance(base, DEEP, (base, arm, light, load))
-    assert "with rotor: mass" in text and "; along heave preloads of what it carries of -3e+06 N" in text
-    assert "preloads" not in "".join(imbalance(base, DEEP, (base, arm, replace(light, preload=0.0))))
+    assert (
+        "with rotor: mass" in text and "; along heave loads of joints and lines of what it carries of -3e+06 N" in text
+    )
+    assert "loads of" not in "".join(imbalance(base, DEEP, (base, arm, replace(light, preload=0.0))))
 
 
 @pytest.mark.parametrize(("motion", "arm"), [("surge", 0), ("pitch", 0), ("yaw surge", 0), ("hinge", 20)])
@@ -308,6 +313,55 @@ def test_what_a_float_is_held_with_its_carrier_bears():
     base, light = balanced([raft(), replace(ball(mass=0.5 * DISPLACED), on="raft")], DEEP, [("mass",), ("hold",)])
     assert base.mass == pytest.approx(1000 * HULL.volume + 0.5 * DISPLACED)
     assert light.preload == pytest.approx((-0.5 * DISPLACED * DEEP.gravity,))
+
+
+def test_what_holds_a_float_up_its_carrier_bears():
+    """Lines to its carrier or a preload of 0.9 of what it displaces; of what cannot heave, a line to the seabed."""
+    half = {"mass": 0.1 * DISPLACED, "on": "raft"}
+    held = 0.9 * DISPLACED * DEEP.gravity
+    lines = Mooring(stiffness=((0.0,),), pretension=(-held,))
+    for joint in (
+        {"preload": -held},
+        {"mooring": lines},
+        {"preload": -2 * held, "mooring": replace(lines, pretension=(held,))},
+    ):
+        base, _ = balanced([raft(), ball(**half | joint)], DEEP, [("mass",), ()])
+        assert base.mass == pytest.approx(1000 * HULL.volume + 0.9 * DISPLACED)
+    item = ball(motion=("pitch",), on="raft", hinge=(3.0, 0, 0), lines=(line(0.4, length=126.0),))
+    ((x, y, z),) = line_pulls(item.lines, item.centre)
+    floats = balanced([raft(hinge=(0, 0, 0), arm=(0, 0, 0)), item], DEEP, [("mass",), ()])
+    assert floats[0].mass == pytest.approx(1000 * HULL.volume + z / DEEP.gravity)
+    (text,) = imbalance(floats[0], DEEP, floats)
+    told = "along {} loads of joints and lines of what it carries of {:.4g} N"
+    assert told.format("surge", x) in text and told.format("sway", y) in text and told.format("heave", z) not in text
+    assert balanced(floats, DEEP, [("hold",), ()])[0].preload[:2] == pytest.approx((-x, -y))
+    (text,) = imbalance(replace(floats[0], motion=("surge",), stiffness=1e5), DEEP, floats)
+    assert told.format("surge", x) in text and "kg" not in text  # what cannot move up and down is not weighed
+
+
+@pytest.mark.parametrize("axes", [("pitch",), ("heave", "pitch"), ("surge", "pitch"), ("heave",)])
+def test_the_solver_finds_at_rest_what_lines_of_a_carried_float_were_balanced_with(axes):
+    """By its own statics: a ball held by lines to the seabed and to the raft that carries it, which is held, too."""
+    from solver.coupled.preparation import prepare
+
+    n, motion = len(axes), ("surge", "sway", "heave", "roll", "pitch", "yaw")
+    kept = Mooring(stiffness=tuple(map(tuple, 1e7 * np.eye(n))), pretension=tuple(3e4 * np.arange(1, n + 1)))
+    base = raft(
+        mass=1000 * HULL.volume, motion=motion, stiffness=(1e7, 1e7, 0, 1e8, 1e8, 1e8), hinge=(0, 0, 0), arm=(0, 0, 0)
+    )
+    item = ball(
+        motion=axes,
+        on="raft",
+        hinge=(16.0, 2.0, 1.0),
+        arm=(0, 0, -1.0),
+        mooring=kept,
+        lines=(line(0.4, 126.0), line(2.0)),
+    )
+    floats = balanced([base, item], DEEP, [("mass", "hold"), ("hold",)])
+    assert [imbalance(f, DEEP, floats) for f in floats] == [(), ()]
+    scene = Scene(water=DEEP, floats=floats, settings=Settings(diffraction=False, radiation=False))
+    rest, _ = prepare(scene, None).equilibrium
+    assert np.abs(rest).max() < 1e-5  # the quadrature's of the buoyancy
 
 
 @pytest.mark.parametrize(("motion", "borne"), [(("heave",), 1), (("heave", "pitch"), 0)])

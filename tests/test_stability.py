@@ -199,6 +199,9 @@ def test_waves_that_a_hull_hardly_feels_may_be_too_short_for_a_series():
     alone = replace(both, sea=replace(waves, amplitude=waves.amplitude * [1, 0]))
     short, long = prepare(both, h), prepare(alone, h)
     assert short.near != short.waves and long.near == long.waves
+    told = replace(both, settings=replace(both.settings, diffraction=False), sea=replace(waves, heading=0.3))
+    with pytest.raises(InputError, match=r"sea.heading = 0.3: must be 0 rad, that of the coefficients"):
+        prepare(told, h)
     at = short.layout.excitation
     assert np.all(short.rows[short.layout.field] == long.rows[long.layout.field])
     assert np.all(short.rows[at][:, 0] == long.rows[long.layout.excitation][:, 0])

@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 from solver import limits, motions
 from solver.coupled import sliding, stretching
 from solver.coupled.driving import driven
-from solver.coupled.memory import Memory
+from solver.coupled.memory import Memory, gauss
 from solver.coupled.modal import Structure
 from solver.coupled.sliding import Places
 from solver.coupled.support import PLANAR, Support
@@ -30,9 +30,9 @@ from solver.scene import DOFS, PER_AXIS, Float, Scene
 from solver.sea.field import WaveField
 
 Axis = tuple[bool, np.ndarray, tuple[float, float, float], int]  # see _chains
-KNOWN = 8  # seas with a platform and floats' coefficients whose rows a process keeps
+KNOWN = 8  # sets of rows, joint laws and structures that a process keeps, of each
 SPIN = 3  # number of the first rotation among the six DOF
-GAUSS = np.polynomial.legendre.leggauss(48)
+GAUSS = gauss(48)
 
 
 class Layout(NamedTuple):
@@ -270,14 +270,10 @@ def memory(fit: RadiationMemory | None, dt: float, directions: int) -> Memory:
         none, still = np.zeros((0, directions, directions), complex), np.zeros((2, 2, directions, directions))
         return Memory(none, np.zeros((2, 0), complex), np.zeros((2, 3, 0), complex), still)
     beta = np.asarray(fit.beta, complex)
-    x, w = GAUSS
-    decay, weight = np.empty((2, beta.size), complex), np.empty((2, 3, beta.size), complex)
-    for s, end in enumerate((0.5, 1.0)):
-        tau = end * (x + 1) / 2
-        lagrange = np.array([2 * (tau - 0.5) * (tau - 1), -4 * tau * (tau - 1), 2 * tau * (tau - 0.5)])
-        kernel = np.exp(np.multiply.outer(beta * dt, end - tau))
-        decay[s] = np.exp(beta * dt * end)
-        weight[s] = np.einsum("pq,jq,q->jp", kernel, lagrange, w * end / 2 * dt)
+    x, shares = GAUSS
+    half = np.exp(np.outer(1 - x, beta * dt / 2))
+    decay = np.exp(np.outer([0.5, 1.0], beta * dt))
+    weight = dt * np.stack([shares[:, 0].T @ half, shares[:, 1].T @ half**2])
     residue = np.ascontiguousarray(fit.residue, dtype=complex)
     direct = np.einsum("pik,sjp->sjik", residue, weight[:, 1:]).real
     return Memory(residue, decay, weight, np.ascontiguousarray(direct))

@@ -9,7 +9,7 @@ import numpy as np
 from solver.coupled import forces, stretching
 from solver.coupled.places import Places
 from solver.coupled.stretching import Stretched
-from solver.coupled.surroundings import drag_size, inertia_size, normal_flow, normal_planes, normal_stream
+from solver.coupled.surroundings import drag_size, inertia_size, normal_flow, normal_stream
 from solver.scene import Platform, Water
 from solver.sea.field import WaveField
 from solver.structure import water
@@ -43,7 +43,7 @@ def station_drag(
 
     In a planar scene a station and its mirror image in y = 0 are loaded alike: one counts twice.
     """
-    normal = normal_planes(at)
+    normal = water.normal_planes(at)
     shape = normal @ at.project(shapes)
     drag, inertia = drag_size(at, sea), inertia_size(platform, at, sea) * (reach > 0)
     y, under = at.position[:, 1], at.position[:, 2] < 0

@@ -8,7 +8,7 @@ from solver.kernels import lean_kernel, part_kernel, whole_kernel
 from solver.multibody.bodies import Bodies, Motion, new_motion
 from solver.multibody.minimal import move, stored_energy
 
-# Work [J] of: pressure and excitation, radiation memory, PTO, other losses of the joints,
+# Work [J] of: pressure, of still water too, lines and excitation, radiation memory, PTO, other losses of the joints,
 # wave inertia and load histories on the frame, drag of waves and current on the frame, structural damping.
 WORKS = ("wave", "radiation", "pto", "joint_damping", "frame_inertia", "frame_drag", "structural")
 WAVE, RADIATION, PTO, JOINT_DAMPING, FRAME_INERTIA, FRAME_DRAG, STRUCTURAL = range(len(WORKS))
@@ -53,7 +53,7 @@ def energy(bodies: Bodies, structure: Structure, state: State) -> float:
 
 @lean_kernel
 def open_by(work: np.ndarray, now: float, energy: np.ndarray) -> float:
-    """Gap [J] of the balance, wave work - (PTO + radiation + drag + structural + change of stored energy).
+    """Gap [J] of the balance: what is BROUGHT, less the other works and the change of stored energy.
 
     work (len(WORKS),) since the start and what is stored `now` [J]; energy: see State. Its scale, the largest of
     these terms so far, is renewed: as a rule the wave's work; in free decay, where all return to nothing once a

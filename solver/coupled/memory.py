@@ -16,6 +16,16 @@ class Memory(NamedTuple):
     direct: np.ndarray  # (2, 2, na, na) load at stage s from velocity at stage j
 
 
+def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss's points (n,) of 0 to 1, and their shares (n, 2, 3) in integrals up to ½ and 1 of the parabolas that are 1
+    at 0, ½ and 1, and 0 at the others."""
+    points, weights = np.polynomial.legendre.leggauss(count)
+    x = (points + 1) / 2
+    tau = np.stack([x / 2, x], axis=1)
+    parabolas = [2 * (tau - 0.5) * (tau - 1), -4 * tau * (tau - 1), 2 * tau * (tau - 0.5)]
+    return x, (weights / 2)[:, None, None] * [[0.5], [1.0]] * np.stack(parabolas, axis=2)
+
+
 @part_kernel
 def memory_loads(memory: Memory, history: np.ndarray, velocity: np.ndarray, out: np.ndarray) -> None:
     """Memory load (2, na) at both stages: history plus that of the stages' velocities (2, na)."""

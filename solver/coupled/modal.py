@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.scheme import Scheme
+from solver.coupled.scheme import LOBATTO, Scheme
 from solver.kernels import fast_lean_kernel, kernel, lean_kernel, whole_kernel
 
 
@@ -123,14 +123,14 @@ def _partly_wet(wet: np.ndarray, push: np.ndarray, flow: np.ndarray) -> None:
 
 
 @whole_kernel
-def flexibility(structure: Structure, dt: float, scheme: Scheme) -> tuple[np.ndarray, np.ndarray]:
+def flexibility(structure: Structure, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """D⁻¹ (nm, 2, 2) of each mode's stages and H (2, nc, 2, nc) of the carriers.
 
     D = I + 2ζω dt A + ω² dt² AA maps a mode's stage accelerations to its stage loads.
     """
     nc, nm = structure.carrier.shape
     inverse, H = np.empty((nm, 2, 2)), np.empty((2, nc, 2, nc))
-    fill_flexibility(structure, dt, scheme, inverse, H)
+    fill_flexibility(structure, dt, LOBATTO, inverse, H)
     return inverse, H
 
 

@@ -1,4 +1,4 @@
-"""Newton's method for a step: the matrix of the step's start, its factors, and the right-hand side."""
+"""Newton's method for a step: the matrix of a step's start, its factors, and the right-hand side."""
 
 from typing import NamedTuple
 

@@ -25,14 +25,17 @@ from solver.sea.current import Current
 from solver.sea.field import WaveField, wave_field
 from solver.sea.realization import CALM
 
+SAME = 1e-6  # of what a hull displaces
+
 
 def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMemory | None = None) -> System:
     """The scene as arrays, with another radiation memory if given; InputError for coefficients of another scene."""
     settings, water = scene.settings, scene.water
     dt = scene.usual_step if settings.time_step is None else settings.time_step
-    if hydrodynamics is not None and scene.floats:
-        _check_same(scene, hydrodynamics)
     waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
+    near, reach, terms = around(scene, waves)
+    if hydrodynamics is not None and scene.floats:
+        _check_same(scene, hydrodynamics, near != waves)
     support = None
     if scene.platform is not None:
         platform = scene.platform.undamped()
@@ -57,7 +60,6 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMem
     added_mass = np.zeros((na, na))
     if hydrodynamics is not None and settings.radiation:
         added_mass = fit.added_mass_inf if fit else hydrodynamics.added_mass_inf
-    near, reach, terms = around(scene, waves)
     if near != waves:
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
     felt = near if any(scene.nonlinear) else None
@@ -143,8 +145,9 @@ def _require_hardly_felt(
         raise InputError("sea", waves.shortest, f"{said} force per amplitude, > {FELT:g}: end the band lower")
 
 
-def _check_same(scene: Scene, h: Hydrodynamics) -> None:
-    """Refuse coefficients of other floats, other water or other waves than the scene's."""
+def _check_same(scene: Scene, h: Hydrodynamics, far: bool) -> None:
+    """Refuse coefficients of other floats, other water or other waves than the scene's; far: whether they have pressure
+    of waves that no series around the floats carries."""
     water, places = scene.water, np.array([f.centre for f in scene.floats])
     pairs = {
         "floats": (len(places), len(h.centres)),
@@ -159,11 +162,17 @@ def _check_same(scene: Scene, h: Hydrodynamics) -> None:
             raise InputError(key, value, f"must be {limit:g}, that of the coefficients")
     if not np.abs(places - h.centres).max(initial=0.0) <= 1e-6:
         raise InputError("floats", places.tolist(), f"must be where the coefficients' floats are, {h.centres.tolist()}")
+    for item, known in zip(scene.floats, h.displaced_mass, strict=True):
+        displaced = water.density * item.hull.volume
+        if known and not abs(displaced - known) <= SAME * displaced:  # 0: of no buoyancy
+            limit = f"must displace {known:.6g} kg, as of the coefficients"
+            raise InputError(f"floats.{item.name}.hull", f"{displaced:.6g} kg displaced", limit)
     if len(places) > 1 and scene.settings.interaction != h.interacting:
         said = f"must be {str(h.interacting).lower()}, as of the coefficients"
         raise InputError("settings.interaction", scene.settings.interaction, said)
-    waves = scene.sea.amplitude.any() and (scene.settings.diffraction or scene.settings.froude_krylov == "linear")
-    if waves and abs(np.exp(1j * scene.sea.heading) - np.exp(1j * h.heading)) > 1e-6:
+    linear = scene.settings.froude_krylov != "none" and not all(scene.nonlinear)
+    pushed = scene.sea.amplitude.any() and (scene.settings.diffraction or linear or far)
+    if pushed and abs(np.exp(1j * scene.sea.heading) - np.exp(1j * h.heading)) > 1e-6:
         raise InputError("sea.heading", scene.sea.heading, f"must be {h.heading:g} rad, that of the coefficients")
     if not scene.planar and len(h.dofs) < len(DOFS):
         raise InputError("coefficients", " ".join(h.dofs), f"must have {', '.join(DOFS)}: the scene is not planar")

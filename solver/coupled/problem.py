@@ -14,9 +14,11 @@ from solver.coupled.stages import Stages, Start, new_stages
 from solver.multibody.bodies import Bodies, PressureRoom, pressure_room
 
 # Pressure and drag are evaluated again where a stage has moved by so many tolerances since; nearer than that
-# the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance. A piece of
-# a step, whose tolerance goes by its length, may be farther by as much as it is shorter.
+# the hydrostatic stiffness stands for the change, and what is left of it, (dt ω)²/5, is below the tolerance. Of floats
+# without coefficients nothing stands for it. A piece of a step, whose tolerance goes by its length, may be farther by
+# as much as it is shorter.
 NEAR = 25.0
+LEAST = 1e-13  # of Newton's tolerances [m or rad]
 
 OK, NOT_CONVERGED, EXCURSION, NOT_FINITE, UNBALANCED, TO_AND_FRO = range(6)
 # Of end stops: number of hits, largest rate at one [m/s or rad/s], largest load [N or N m].
@@ -32,7 +34,7 @@ PIECES = 4  # of steps that are cut for which there is room, over samples
 class Drive(NamedTuple):
     """Samples of all that the wave drives; first axis time, samples dt/2 apart."""
 
-    field: np.ndarray  # (m, 2 terms of all floats), see minimal.pressures
+    field: np.ndarray  # (m, 2 first_term[-1] + (nr + 1) first_along[-1]), see minimal.pressures
     excitation: np.ndarray  # (m, nb, 6)
     modal: np.ndarray  # (m, nm)
     station: np.ndarray  # (m, nd, ns) particle velocity normal to the members
@@ -131,7 +133,7 @@ def new_problem(
 ) -> Problem:
     """Constants for steps of dt [s]; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
     nz = bodies.mechanism.size
-    inverse, H = flexibility(structure, dt, LOBATTO)
+    inverse, H = flexibility(structure, dt)
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
     fixed = (stiffness, np.array(beta, complex), bent, pace, swing)  # read-only poles would be another type to compile

@@ -1,6 +1,6 @@
 """One step of the coupled system: see scheme.
 
-A step is solved by Newton's method with the matrix of its start. The structure's
+A step is solved by Newton's method with the matrix of its start, or of a step's shortly before. The structure's
 modes are eliminated exactly by their flexibility at the hinge nodes, however many there are
 and however stiff; the radiation memory is exact for velocities quadratic in time.
 """

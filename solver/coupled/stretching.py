@@ -40,7 +40,7 @@ class Stretched(NamedTuple):
     along: np.ndarray  # (ns, nd) normal velocity for unit velocity along the heading
     up: np.ndarray  # (ns, nd) and for unit velocity upward
     drag: np.ndarray  # (ns,) ½ρ C_D D w, wet [kg/m]
-    inertia: np.ndarray  # (ns,) C_M ρ πD²/4 w, wet [kg]
+    inertia: np.ndarray  # (ns,) see surroundings.inertia_size, wet [kg]
     stream: np.ndarray  # (nd, ns) velocity of the current [m/s]
     reach: float  # of the highest crest and the lowest trough [m]
     extrapolated: bool

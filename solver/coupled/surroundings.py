@@ -16,11 +16,6 @@ EVERY = slice(None)
 KNOWN = 8  # frames' stations that a process keeps
 
 
-def normal_planes(at: water.Stations) -> np.ndarray:
-    """Projection on the plane normal to the member at each station (ns, 3, 3)."""
-    return np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
-
-
 def normal_flow(
     at: water.Stations, field: WaveField, kept: np.ndarray | slice = EVERY, directions: np.ndarray | slice = EVERY
 ) -> np.ndarray:
@@ -57,7 +52,7 @@ class Surroundings(NamedTuple):
 @lru_cache(maxsize=KNOWN)
 def surroundings(at: water.Stations, heading: float) -> Surroundings:
     """Legs side by side, and stations above each other in the same wave, share places; none is above still water."""
-    direction, normal = np.array([np.cos(heading), np.sin(heading), 0.0]), normal_planes(at)
+    direction, normal = np.array([np.cos(heading), np.sin(heading), 0.0]), water.normal_planes(at)
     seen = np.stack([at.position @ direction, np.minimum(at.position[:, 2], 0.0)], axis=1)
     _, first, place = np.unique(seen, axis=0, return_index=True, return_inverse=True)
     along, up, place = normal @ direction, normal[:, :, 2], place.ravel()
@@ -82,7 +77,7 @@ def drag_size(at: water.Stations, sea: Water) -> np.ndarray:
 
 def normal_stream(at: water.Stations, field: WaveField) -> np.ndarray:
     """Velocity of the current normal to the member at each station (ns, 3)."""
-    return (normal_planes(at) @ field.stream(at.position)[..., None])[..., 0]
+    return (water.normal_planes(at) @ field.stream(at.position)[..., None])[..., 0]
 
 
 def load_of_stream(model: FrameModel, field: WaveField, at: water.Stations, sea: Water) -> np.ndarray:

@@ -11,7 +11,7 @@ from solver.coupled.equilibrium import Differences, balance, differences, equili
 from solver.coupled.memory import Memory
 from solver.coupled.modal import Structure, WaterAbout, drag
 from solver.coupled.pieces.pace import SWING
-from solver.coupled.problem import Drive, Problem, new_problem
+from solver.coupled.problem import LEAST, Drive, Problem, new_problem
 from solver.coupled.stages import State
 from solver.coupled.support import Support
 from solver.errors import SimulationFailed
@@ -28,7 +28,6 @@ from solver.structure.load_history import LoadHistory
 
 FELT = 0.1  # of a float's largest force per wave amplitude: by no more do waves push whose pressure may be linear
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
-LEAST = 1e-13  # of Newton's tolerances [m or rad]
 ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 steps of either sign
 LAST_BIT = np.finfo(float).eps
 BALANCE = 1e-3  # every record's energy balance closes to so much of the energy exchanged
@@ -78,15 +77,20 @@ class System:
         if self.still:
             return np.zeros(self.structure.omega.size)
         first = self.drive(self.besides(np.zeros(1)))
-        return first.modal[0] + self.drag_at_rest(first.station[0])
+        return first.modal[0] + self.drag_at_rest(first)
 
-    def drag_at_rest(self, flow: np.ndarray) -> np.ndarray:
-        """Modal drag (nm,) of water of velocity flow (nd, ns) at the stations, on the frame at rest."""
+    @property
+    def marched(self) -> Structure:
+        """The structure with the drag of stations up to the waves' surface, where that is asked for."""
+        stretched = self.support.stretched if self.support is not None else None
+        return self.structure if stretched is None else self.structure._replace(drag=stretched.drag)
+
+    def drag_at_rest(self, drive: Drive) -> np.ndarray:
+        """Modal load (nm,) of the drive's first sample at the stations, on the frame at rest."""
         load = np.zeros((2, self.structure.omega.size))
-        if flow.any():
-            both = np.stack([flow, flow])
-            water = WaterAbout(both, np.zeros((2, 0)), np.zeros((2, 0, 0)))
-            drag(self.structure, water, np.zeros(load.shape), 1, load, np.empty(both.shape), np.empty(2))
+        both = WaterAbout(*(np.repeat(part[:1], 2, axis=0) for part in (drive.station, drive.wet, drive.push)))
+        if both.flow.any() or both.push.any():
+            drag(self.marched, both, np.zeros(load.shape), 1, load, np.empty(both.flow.shape), np.empty(2))
         return load[1]
 
     @property
@@ -242,12 +246,9 @@ class System:
         zones.zones_at_rest(self.bodies.law, self.equilibrium[0], zone)
         on_stops = np.zeros(zone.shape[1])
         on_stops[bent] = [joint_law.tangent(self.bodies.law, i, *zone[:, i])[0] for i in bent]
-        structure = self.structure
-        if self.support is not None and self.support.stretched is not None:
-            structure = structure._replace(drag=self.support.stretched.drag)
         return new_problem(
             self.bodies,
-            structure,
+            self.marched,
             self.memory,
             self.stiffness - np.diag(on_stops),
             beta=self.fit.beta if self.fit is not None else np.zeros(0),
@@ -338,16 +339,14 @@ def _whole_mass(system: System, z: np.ndarray) -> np.ndarray:
 def _initial_acceleration(
     system: System, z: np.ndarray, p: np.ndarray, first: Drive
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """At t = 0, from all loads at rest: accelerations of modes and joints, the modal load of the hinges, and (nz,)
-    what holds the axes that do not move."""
+    """At t = 0, from all loads at rest: accelerations of modes and joints, the modal load of hinges, drag and
+    push, and (nz,) what holds the axes that do not move."""
     frame, body = system.structure, system.bodies
     nc, nm = frame.carrier.shape
     r, _ = balance(body, z, field=first.field[0], excitation=first.excitation[0])
     shape, whole = frame.carrier, _whole_mass(system, z)
     load = np.concatenate([shape.T @ r[:nc] - frame.omega**2 * p + first.modal[0], r[nc:]])
-    load[:nm] += system.drag_at_rest(first.station[0])
-    if first.push.size:
-        load[:nm] += np.tensordot(frame.station, first.push[0], axes=2)
+    load[:nm] += system.drag_at_rest(first)
     at_rest = np.flatnonzero(of_axes.holds(body.law))
     rows, free, known = nm + at_rest - nc, whole.copy(), load.copy()
     free[rows], known[rows] = np.eye(len(whole))[rows], 0.0

@@ -77,7 +77,7 @@ class WaterLoads(NamedTuple):
     """Loads of the water on the bodies, without added mass."""
 
     pressure: np.ndarray  # (nb, 6) as it was at coordinates smaller by `since`
-    since: np.ndarray  # (nz,) the hydrostatic stiffness stands for that change
+    since: np.ndarray  # (nz,) the stiffness of buoyancy and lines stands for that change
     excitation: np.ndarray  # (nb, 6) linear wave loads
     memory: np.ndarray  # (nb nr,) of the radiation, against the motion
 
@@ -87,7 +87,7 @@ class Loads(NamedTuple):
 
     residual: np.ndarray  # (nz,) JᵀW
     wrench: np.ndarray  # (nb, 6) W, all loads on each body, inertia included
-    external: np.ndarray  # (nb, 6) the waves' part of it
+    external: np.ndarray  # (nb, 6) its part of excitation, pressure and lines
 
 
 class PressureRoom(NamedTuple):

@@ -67,7 +67,7 @@ class JointLaw(NamedTuple):
     stiffness: np.ndarray  # (n,) linear spring about y = 0
     pto_stiffness: np.ndarray  # (n,) the power take-off's part of it
     preload: np.ndarray  # (n,) constant load in the axis's positive sense
-    coulomb: np.ndarray  # (n,) load of the power take-off whatever the rate, against it
+    coulomb: np.ndarray  # (n,) load of the power take-off whatever the rate, against it; below both limits
     force_limit: np.ndarray  # (n,) that the power take-off's load does not exceed
     declutch_load: np.ndarray  # (n,) of the power take-off, beyond which it lets go until the axis turns round
     latch_load: np.ndarray  # (n,) up to which an axis that has come to rest is held there
@@ -133,12 +133,7 @@ def _kinked_load(law: JointLaw, i: int, pto: int, y: float, dy: float) -> float:
     sense = 1 if pto > 0 else -1
     if pto * sense == LIMITED:
         return _share(law, i, sense) * sense * largest(law, i)
-    return _share(law, i, sense) * (law.pto_damping[i] * dy + sense * constant(law, i))
-
-
-@kernel(inline="always")
-def constant(law: JointLaw, i: int) -> float:
-    return min(law.coulomb[i], largest(law, i))
+    return _share(law, i, sense) * (law.pto_damping[i] * dy + sense * law.coulomb[i])
 
 
 @kernel(inline="always")
@@ -150,7 +145,7 @@ def largest(law: JointLaw, i: int) -> float:
 @kernel(inline="always")
 def holding(law: JointLaw, i: int, sense: int) -> float:
     """The largest load that an axis at rest withstands without moving in a sense, +1 or -1 [N or N m]."""
-    return max(law.latch_load[i], _share(law, i, sense) * constant(law, i))
+    return max(law.latch_load[i], _share(law, i, sense) * law.coulomb[i])
 
 
 @kernel(inline="always")

@@ -313,7 +313,7 @@ def _wave_wrench(bodies: Bodies, b: int, motion: Motion, water: WaterLoads, W: n
 def powers(
     bodies: Bodies, at: Coordinates, motion: Motion, external: np.ndarray, memory: np.ndarray
 ) -> tuple[float, float, float, float]:
-    """Powers [W] of pressure and excitation; of radiation memory, PTO and the joints' other losses as dissipated.
+    """Powers [W] of pressure, lines and excitation; of radiation memory, PTO and joints' other losses as dissipated.
 
     Of the step's final velocities: with others, weight and buoyancy, far larger than what varies, would not balance.
     """

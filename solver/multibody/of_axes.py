@@ -158,7 +158,7 @@ def holds(law: JointLaw) -> np.ndarray:
 
 def friction(law: JointLaw) -> np.ndarray:
     """By which power take-offs withstand loads at rest, latches aside (n,) [N or N m]."""
-    return np.minimum(law.coulomb, law.force_limit)
+    return law.coulomb
 
 
 def limits(law: JointLaw) -> np.ndarray:

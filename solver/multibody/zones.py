@@ -17,7 +17,6 @@ from solver.multibody.joint_law import (
     TABLE,
     JointLaw,
     axis_load,
-    constant,
     holding,
     largest,
 )
@@ -59,7 +58,7 @@ def _limiting_rate(law: JointLaw, i: int) -> float:
     """|ẏ| at which the power take-off reaches F_max, or lets go."""
     if not law.pto_damping[i] > 0:
         return np.inf
-    return (largest(law, i) - constant(law, i)) / law.pto_damping[i]
+    return (largest(law, i) - law.coulomb[i]) / law.pto_damping[i]
 
 
 @kernel(inline="always")

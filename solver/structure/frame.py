@@ -36,7 +36,7 @@ class Frame:
     soil: Soil | None = None  # round what is below the seabed
 
     def __hash__(self) -> int:
-        """Equal frames have equal text; a mapping alone would have no hash."""
+        """Of the text, for a mapping has none; equal frames that are written otherwise, 10 for 10.0, share nothing."""
         return hash(self._text)
 
     @cached_property

@@ -272,7 +272,10 @@ def _within(a: np.ndarray, b: np.ndarray, allowed: float) -> bool:
 
 
 def compressive(fibre: np.ndarray) -> np.ndarray:
-    """Stress [Pa] of the most compressive fibre, from N/A, c My/Iy and c Mz/Iz (…, 3) [Pa]."""
+    """Stress [Pa] of the most compressive fibre, from N/A, c My/Iy and c Mz/Iz (…, 3) [Pa].
+
+    Exact for a circular section; c of a rectangle is half the diagonal, on the safe side of the corner's stress.
+    """
     return fibre[..., 0] - np.hypot(fibre[..., 1], fibre[..., 2])
 
 

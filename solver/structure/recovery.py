@@ -38,16 +38,6 @@ def section_forces(model: FrameModel, displacement: np.ndarray, element_loads: n
     return (of_nodes - np.tile(FACE, len(model.elements)) * element_loads.ravel()).reshape(-1, 6)
 
 
-def fibre_stress(N: np.ndarray, My: np.ndarray, Mz: np.ndarray, properties: np.ndarray) -> np.ndarray:
-    """Stress of the most compressive fibre [Pa], tension positive; properties (..., 4) are A, Iy, Iz, c.
-
-    σ = N/A - c hypot(My/Iy, Mz/Iz): N/A - |M| c/I for a circular section, and exact. For a
-    rectangle c is half the diagonal, which is on the safe side of the corner's stress.
-    """
-    A, Iy, Iz, c = np.moveaxis(properties, -1, 0)
-    return N / A - c * np.hypot(My / Iy, Mz / Iz)
-
-
 def section_properties(model: FrameModel) -> np.ndarray:
     """(A, Iy, Iz, c) at every element end, (2 ne, 4) [m2, m4, m4, m]."""
     return properties(model.section_at(end) for end in range(2 * len(model.elements)))

@@ -193,7 +193,7 @@ def rectangle_shear_factor(poisson: float) -> float:
 def _rectangle_torsion(a: float, b: float) -> float:
     """Saint-Venant's series, sides a >= b: J = ab³/3 [1 - 192/π⁵ (b/a) Σ_odd tanh(nπa/2b)/n⁵] [m4].
 
-    Ten terms leave 1e-7 (the first one left out is 21⁻⁵).
+    Ten terms leave 1.2e-6 of a square's, less of others'.
     """
     n = np.arange(1, 20, 2)
     series = (np.tanh(n * np.pi * a / (2 * b)) / n**5).sum()

@@ -69,12 +69,6 @@ class Stations:
         """Displacement of the stations in each column of a modal matrix (6n, nm): (ns, 3, nm)."""
         return self.shape @ shapes[self.dofs]
 
-    def total(self, load: np.ndarray, size: int) -> np.ndarray:
-        """Nodal load Σ w Nᵀ f (size, ...) [N, N m] of loads per length f (ns, 3, ...) [N/m]."""
-        vector = np.zeros((size, *load.shape[2:]), load.dtype)
-        np.add.at(vector, self.dofs, np.einsum("s,ska,sk...->sa...", self.weight, self.shape, load))
-        return vector
-
 
 def stations(
     model: FrameModel, points: int, longest: float = np.inf, splash: Splash = DRY, share: float = np.inf
@@ -239,10 +233,14 @@ def drag_matrix(model: FrameModel) -> sparse.csr_array:
     return _sum(model, at, _normal_matrices(at, at.drag * at.diameter))
 
 
+def normal_planes(at: Stations) -> np.ndarray:
+    """Projection on the plane normal to the member at each station (ns, 3, 3)."""
+    return np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
+
+
 def _normal_matrices(at: Stations, per_length: np.ndarray) -> np.ndarray:
     """Each station's share (ns, 12, 12) of ∫ c Nᵀ(I - ttᵀ)N dx, of c (ns,): normal to the member only."""
-    normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
-    return (per_length * at.weight)[:, None, None] * (at.shape.transpose(0, 2, 1) @ normal @ at.shape)
+    return (per_length * at.weight)[:, None, None] * (at.shape.transpose(0, 2, 1) @ normal_planes(at) @ at.shape)
 
 
 def _sum(model: FrameModel, at: Stations, matrices: np.ndarray) -> sparse.csr_array:

@@ -51,7 +51,7 @@ def of_a_step(platform: str) -> list[tuple[str, float, float]]:
     z, dz = (np.concatenate([frame.carrier @ p, q]) for p, q in ((state.p, state.z), (state.dp, state.dz)))
     nz, motion, load = z.size, new_motion(body), np.zeros((nb, 6))
     move(body, z, dz, motion)
-    H, constant = flexibility(frame, system.dt, LOBATTO)[1], np.zeros((2 * nz, 2 * nz))
+    H, constant = flexibility(frame, system.dt)[1], np.zeros((2 * nz, 2 * nz))
     loads_of_water = WaterLoads(load, np.zeros(nz), drive.excitation[5], np.zeros(na))
     out = Loads(np.zeros(nz), load.copy(), load.copy())
     series, zones = system.series(system.dt), Zones(np.zeros((2, nz), int), system.bent)

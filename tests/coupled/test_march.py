@@ -152,6 +152,7 @@ def test_twice_the_density_doubles_the_forces(buan, coefficients):
         radiation_damping=2 * coefficients.radiation_damping,
         added_mass_inf=2 * coefficients.added_mass_inf,
         diffraction=2 * coefficients.diffraction,
+        displaced_mass=2 * coefficients.displaced_mass,
         density=2 * coefficients.density,
     )
     scene = buan.scene("fixed", newton_tolerance=1e-10)

@@ -322,6 +322,7 @@ def test_lines_that_let_it_fall_away_are_refused():
 @pytest.mark.parametrize(
     ("build", "message"),
     [
+        (lambda: lines(()), r"mooring.stiffness .* must have rows: one for each axis, or six"),
         (lambda: lines(np.ones((2, 3))), r"mooring.stiffness .* must be square, with 2 rows"),
         (lambda: lines([[1.0, 2.0], [3.0, 4.0]]), r"must be symmetric; row 1, column 2 has 2, the reverse 3"),
         (lambda: lines(np.eye(3), np.eye(2)), r"mooring.damping .* must be square, with 3 rows"),

@@ -7,6 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.coupled import stretching
+from solver.coupled.blocks import blocks
 from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.run import simulate
@@ -158,6 +159,21 @@ def test_a_level_member_is_wet_by_its_thickness():
     assert len(at.position) == 16
     assert stretching.wet_bounds(at) == approx(np.tile([0.2, 1.0], (16, 1)))
     assert not len(water.stations(assemble(frame), 2).position)
+
+
+@pytest.mark.parametrize("kind", ["wheeler", "extrapolated"])
+@pytest.mark.parametrize("z", [-0.6, 0.0, 0.6])
+def test_a_run_begins_bent_by_the_current_on_what_is_wet(kind, z):
+    """A brace of 2 m of which a part is: while waves still rise nothing moves."""
+    item = pile(Current(speed=1.0, direction=np.pi / 2), WAVES, ramp=20.0, time_step=1e-3)
+    leg, *_ = item.platform.frame.members
+    leg = replace(leg, name="brace", start="top", end="tip", section=tube(2.0, 0.02))
+    nodes = {"foot": (0, 0, -DEPTH), "top": (0, 0, z), "tip": (8.0, 0, z)}
+    frame = replace(item.platform.frame, nodes=nodes, members=(*item.platform.frame.members, leg))
+    system = prepare(stretched(replace(item, platform=replace(item.platform, frame=frame)), kind), None)
+    _, output, _ = next(blocks(system, system.start(), 1))
+    size = np.abs(system.structure.omega**2 * system.equilibrium[1]).max()
+    assert np.abs(output.ddp[0]).max() < 1e-4 * size
 
 
 def test_stations_stand_for_all_of_a_member_once():

@@ -8,6 +8,7 @@ import pytest
 from solver.structure import recovery, statics, water
 from solver.structure.frame_model import assemble
 from solver.structure.modes import modes, modes_in, symmetric_basis
+from tests.structure.test_recovery import compressive_stress
 
 RHO, W = 1025.0, 9.81
 LEGS = ["leg1", "leg2", "leg3", "leg4"]
@@ -44,7 +45,7 @@ def foot_stress(model):
     load = statics.gravity_load(model, W) + statics.point_load(model) + water.buoyancy_load(model, RHO, W)
     spread = statics.self_weight(model, W) + water.buoyancy(model, RHO, W)
     forces = recovery.section_forces(model, statics.static(model, load), spread)
-    stress = recovery.fibre_stress(forces[:, 0], forces[:, 4], forces[:, 5], recovery.section_properties(model))
+    stress = compressive_stress(model, forces)
     return np.array([stress[2 * model.member_elements[leg][0]] for leg in LEGS])
 
 

@@ -107,12 +107,19 @@ def test_stations_move_with_the_cubic_shape(pile, n):
     assert moved[:, :, 2] == pytest.approx(np.tile([0, 1, 0], (len(z), 1)), abs=1e-12)
 
 
+def nodal_load(at, load, size):
+    """Σ w Nᵀ f (size, ...) [N, N m] of loads per length f (ns, 3, ...) [N/m]."""
+    vector = np.zeros((size, *load.shape[2:]), load.dtype)
+    np.add.at(vector, at.dofs, np.einsum("s,ska,sk...->sa...", at.weight, at.shape, load))
+    return vector
+
+
 def test_load_on_stations_does_the_work_of_the_stations(pile):
     model = pile(5)
     at = water.stations(model, 4)
     real, imaginary = np.random.default_rng(1).normal(size=(2, len(at.weight), 3, 5))
     load = real + 1j * imaginary  # five harmonics at once
-    nodal = at.total(load, 6 * len(model.xyz))
+    nodal = nodal_load(at, load, 6 * len(model.xyz))
     fields = np.column_stack([cubic(model), rigid_turn(model, 0)])
     work = np.einsum("s,skn,skm->mn", at.weight, load, at.project(fields))
     assert fields.T @ nodal == pytest.approx(work)

@@ -5,29 +5,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.coupled.between import NODES, nearest
-from solver.coupled.memory import Memory
+from solver.coupled.memory import Memory, gauss
 from solver.coupled.modal import fill_flexibility
 from solver.coupled.newton import shorter_part
-from solver.coupled.problem import Drive, Problem
+from solver.coupled.problem import LEAST, Drive, Problem
 from solver.coupled.scheme import SMOOTHING, Scheme
 from solver.kernels import inner_kernel, lean_kernel, part_kernel
 
 SHORT = 0.25  # of a step: in such pieces pressure and drag are evaluated at their ends alone
-LEAST = 1e-13  # of Newton's tolerances [m or rad]
 ONE: Any = np.int64(1)  # a bare 1 is of another type, with which all that it is handed to would be compiled once more
 
 
-def _gauss() -> tuple[np.ndarray, np.ndarray]:
-    """Gauss's points (8,) of 0 to 1, and their shares (8, 2, 3) in integrals up to ½ and 1 of the parabolas that are 1
-    at 0, ½ and 1, and 0 at the others."""
-    points, weights = np.polynomial.legendre.leggauss(8)
-    x = (points + 1) / 2
-    tau = np.stack([x / 2, x], axis=1)
-    parabolas = [2 * (tau - 0.5) * (tau - 1), -4 * tau * (tau - 1), 2 * tau * (tau - 0.5)]
-    return x, (weights / 2)[:, None, None] * [[0.5], [1.0]] * np.stack(parabolas, axis=2)
-
-
-POINTS, SHARES = _gauss()
+POINTS, SHARES = gauss(8)
 
 
 class Fine(NamedTuple):

@@ -29,7 +29,8 @@ def undisturbed(problem: Problem, room: Workspace) -> bool:
 def _stays(problem: Problem, room: Workspace, h: float, i: int, kind: int) -> bool:
     """Whether axis i is off its stops, or its power take-off linear, and surely stays so in a step of h [s].
 
-    Between its points an axis goes farther than there by a quarter of the step at its largest rate.
+    Between its points, half a step apart, an axis goes farther than there by a quarter of the step at its largest rate;
+    by twice that here, for its rate may be larger between them.
     """
     law, start, stage = problem.bodies.law, room.start, room.stage
     if kind == PTO_ZONE:

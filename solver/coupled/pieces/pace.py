@@ -14,7 +14,8 @@ from solver.multibody.zones import leaving, next_zone, pto_zone
 SWING = 16  # pieces in the period of what swings on a stop
 SMOOTH = 2  # pieces in the time of one of those, the first ones on an elastic platform
 # Bend of an axis's acceleration in a piece, times its length, over the axis's largest rate so far: (ωh)³/4 of what
-# swings. Pieces above it are halved, and grow as long as it stays below, with the cube of their length.
+# swings. Pieces grow as long as it stays below, with the cube of their length; those above twice it that are longer
+# than the swing on a stop asks for are halved.
 BEND = 0.03
 # Of the energy of an axis's fastest swing so far, by which a piece after a jump may open the balance: some hundred
 # pieces a swing then keep it. One of twice the length opens it by GROWTH as much.

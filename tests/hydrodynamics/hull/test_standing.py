@@ -8,6 +8,8 @@ import pytest
 from pytest import approx
 from scipy.special import h1vp
 
+from solver.coupled.boundary import coefficients
+from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.box import box
@@ -89,6 +91,18 @@ def test_the_ground_bears_weight_less_buoyancy_and_the_waves_on_the_walls():
     item = scene(method="frequency", froude_krylov="linear")
     std = np.sqrt(np.sum(np.abs(h.excitation(item.sea.omega)[:, 0] * item.sea.amplitude) ** 2) / 2)
     assert simulate(item, h).variables["hinge_force"][1][0, 0, statistic.index("std")] == approx(std, rel=1e-9)
+
+
+def test_coefficients_are_of_the_waves_on_what_stands_and_of_these_hulls():
+    """Whose pressure is linear beside a float whose is not; a hull of the same form a hundredth larger is another."""
+    item = scene(diffraction=False)
+    h = coefficients(item)
+    with pytest.raises(InputError, match=r"sea.heading = 0.3: must be 0 rad, that of the coefficients"):
+        prepare(replace(item, sea=replace(item.sea, heading=0.3)), h)
+    stood, ball = item.floats
+    larger = Revolution.hemisphere_cylinder(radius=1.01, height=0.6)
+    with pytest.raises(InputError, match=r"floats.ball.hull = 22\d\d.* kg displaced: must displace 21\d\d"):
+        prepare(replace(item, floats=(stood, replace(ball, hull=larger))), h)
 
 
 def test_what_stands_has_a_flat_foot_and_does_not_move():

@@ -340,6 +340,10 @@ BAD = [
         "floats.only.mooring.stiffness = [[1.0, 0.0], [0.0, 1.0]]: must be 1 x 1, for hinge, or 6 x 6",
     ),
     ('mooring = { stiffness = [["a"]] }', "floats[0].mooring.stiffness[0][0] = 'a': must be a number"),
+    (
+        "mooring = { stiffness = [] }",
+        "floats.only.mooring.stiffness = []: must have rows: one for each axis, or six",
+    ),
     ("mooring = { stiffness = 3.0 }", "floats[0].mooring.stiffness = 3.0: must be a list"),
     ("mooring = { pretension = [1.0] }", "floats[0].mooring.stiffness: is missing"),
     ("pto_efficiency = { generating = 0.0 }", "floats[0].pto_efficiency.generating = 0.0: must be > 0"),
