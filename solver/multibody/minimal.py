@@ -13,7 +13,7 @@ from solver.catenary import add_lines, line_pull
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load
 from solver.hydrodynamics.pressure.quadrature import WettedQuadrature
 from solver.hydrodynamics.pressure.wetted_panels import panels_pressure
-from solver.kernels import fast_lean_kernel, kernel, lean_kernel, part_kernel
+from solver.kernels import fast_lean_kernel, inner_kernel, kernel, lean_kernel, part_kernel
 from solver.multibody.bodies import Bodies, Coordinates, Loads, Motion, PressureRoom, WaterLoads
 from solver.multibody.chain import Chain, cross, into, kinematics, moment, rotated, rotation_vector
 from solver.multibody.joint_law import (
@@ -47,14 +47,16 @@ def move(bodies: Bodies, z: np.ndarray, dz: np.ndarray, motion: Motion) -> None:
             motion.velocity[b],
             motion.bias[b],
         )
-        v = motion.velocity[b]
         if bodies.turning:
-            v = _into_axes(motion.rotation[b], v, motion.scratch[0])
-        for r in range(nr):
-            motion.active_velocity[b * nr + r] = v[bodies.active[r]]
+            v = _into_axes(motion.rotation[b], motion.velocity[b], motion.scratch[0])
+            for r in range(nr):
+                motion.active_velocity[b * nr + r] = v[bodies.active[r]]
+        else:
+            for r in range(nr):
+                motion.active_velocity[b * nr + r] = motion.velocity[b, bodies.active[r]]
 
 
-@kernel(inline="always")
+@lean_kernel
 def _into_axes(R: np.ndarray, x: np.ndarray, out: np.ndarray) -> np.ndarray:
     """out (6,) <- Rᵀ of both halves of x (6,)."""
     out[0], out[1], out[2] = into(R, x[0], x[1], x[2])
@@ -62,7 +64,7 @@ def _into_axes(R: np.ndarray, x: np.ndarray, out: np.ndarray) -> np.ndarray:
     return out
 
 
-@kernel(inline="always")
+@lean_kernel
 def _add_turned(R: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
     """out (6,) += R of both halves of x (6,)."""
     a, b, c = rotated(R, x[:3])
@@ -184,21 +186,13 @@ def _add_along(bodies: Bodies, b: int, motion: Motion, field: np.ndarray, out: n
     u = _within(s / bodies.reach[b])
     for _ in range(SWINGS):
         u = _within((s - _chebyshev(terms, nr, u)) / bodies.reach[b])
-    load = motion.scratch[0]
-    load[:] = 0.0
+    load = motion.scratch[0] if bodies.turning else out
+    if bodies.turning:
+        load[:] = 0.0
     for r in range(nr):
-        load[bodies.active[r]] = _chebyshev(terms, r, u)
-    _add_linear(bodies, b, motion, load, out)
-
-
-@kernel(inline="always")
-def _add_linear(bodies: Bodies, b: int, motion: Motion, load: np.ndarray, out: np.ndarray) -> None:
-    """out (6,) += load (6,) of the waves' diffraction, linear pressure or radiation, given along its axes."""
+        load[bodies.active[r]] += _chebyshev(terms, r, u)
     if bodies.turning:
         _add_turned(motion.rotation[b], load, out)
-    else:
-        for r in range(6):
-            out[r] += load[r]
 
 
 @kernel(inline="always")
@@ -236,24 +230,29 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
             for i in range(bodies.axes[b]):
                 a += motion.jacobian[b, r, i] * at.ddz[bodies.coordinate[b, i]]
             motion.acceleration[b, r] = a
-        _accelerate(bodies, b, motion)
+        if bodies.turning:
+            _turn_acceleration(bodies, b, motion)
+        else:
+            for r in range(nr):
+                motion.active_acceleration[b * nr + r] = motion.acceleration[b, bodies.active[r]]
     out.residual[:] = 0.0
     for b in range(nb):
         W = out.wrench[b]
         _wave_wrench(bodies, b, motion, water, W)
         for r in range(6):
             out.external[b, r] = W[r]
-        radiated = motion.scratch[0]
-        radiated[:] = 0.0
+        radiated = motion.scratch[0] if bodies.turning else W
+        if bodies.turning:
+            radiated[:] = 0.0
         for r in range(nr):
             i = b * nr + r
             total = water.memory[i]
             for j in range(nb * nr):
                 total += bodies.added_mass[i, j] * motion.active_acceleration[j]
-            radiated[bodies.active[r]] = -total
+            radiated[bodies.active[r]] -= total
         if bodies.turning:
             _turn_impulse(bodies, b, motion, radiated)
-        _add_linear(bodies, b, motion, radiated, W)
+            _add_turned(motion.rotation[b], radiated, W)
         _weight_and_inertia(bodies, b, motion, W)
         for i in range(bodies.axes[b]):
             for r in range(6):
@@ -264,21 +263,18 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
     add_coupled(bodies.law, at.z, at.dz, -1.0, out.residual, out.residual)
 
 
-@kernel(inline="always")
-def _accelerate(bodies: Bodies, b: int, motion: Motion) -> None:
-    """Fill active_acceleration of a body: along its own axes Rᵀ(a - ω × v) and Rᵀω̇."""
-    nr, a, v = bodies.active.size, motion.acceleration[b], motion.velocity[b]
-    if bodies.turning:
-        turned = motion.scratch[0]
-        x, y, z = cross(v[3], v[4], v[5], v[0], v[1], v[2])
-        turned[0], turned[1], turned[2] = into(motion.rotation[b], a[0] - x, a[1] - y, a[2] - z)
-        turned[3], turned[4], turned[5] = into(motion.rotation[b], a[3], a[4], a[5])
-        a = turned
+@inner_kernel
+def _turn_acceleration(bodies: Bodies, b: int, motion: Motion) -> None:
+    """Fill active_acceleration of a body along its axes: Rᵀ(a - ω × v) and Rᵀω̇."""
+    nr, a, v, turned = bodies.active.size, motion.acceleration[b], motion.velocity[b], motion.scratch[0]
+    x, y, z = cross(v[3], v[4], v[5], v[0], v[1], v[2])
+    turned[0], turned[1], turned[2] = into(motion.rotation[b], a[0] - x, a[1] - y, a[2] - z)
+    turned[3], turned[4], turned[5] = into(motion.rotation[b], a[3], a[4], a[5])
     for r in range(nr):
-        motion.active_acceleration[b * nr + r] = a[bodies.active[r]]
+        motion.active_acceleration[b * nr + r] = turned[bodies.active[r]]
 
 
-@part_kernel
+@inner_kernel
 def _turn_impulse(bodies: Bodies, b: int, motion: Motion, F: np.ndarray) -> None:
     """F (6,) -= what turns the water's impulse (P, L) = A∞ V with a body: ω × P, and ω × L + v × P (Kirchhoff)."""
     nr, impulse = bodies.active.size, motion.scratch[1]
@@ -298,9 +294,13 @@ def _turn_impulse(bodies: Bodies, b: int, motion: Motion, F: np.ndarray) -> None
 @kernel(inline="always")
 def _wave_wrench(bodies: Bodies, b: int, motion: Motion, water: WaterLoads, W: np.ndarray) -> None:
     """W <- excitation and pressure, carried on by the stiffness of buoyancy and lines."""
-    for r in range(6):
-        W[r] = water.pressure[b, r]
-    _add_linear(bodies, b, motion, water.excitation[b], W)
+    if bodies.turning:
+        for r in range(6):
+            W[r] = water.pressure[b, r]
+        _add_turned(motion.rotation[b], water.excitation[b], W)
+    else:
+        for r in range(6):
+            W[r] = water.excitation[b, r] + water.pressure[b, r]
     for c in range(6):
         moved = 0.0
         for i in range(bodies.axes[b]):
@@ -380,7 +380,7 @@ def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
         M[i, i] += bodies.mechanism[i]
 
 
-@kernel(inline="always")
+@lean_kernel
 def _turn_block(R: np.ndarray, Q: np.ndarray, X: np.ndarray) -> None:
     """X (6, 6) <- R X Qᵀ, R and Q (3, 3) of its halves."""
     for h in range(0, 6, 3):
