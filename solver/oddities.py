@@ -29,6 +29,7 @@ FAR = 10.0  # hulls' sizes, from their reference point: no centre of gravity is 
 TONNES = 0.3, 25.0  # [t/m3] that frames are of, timber to heavy metal; some are of nothing, or next to it
 FEW = 10.0  # mean periods: from one record of so many to the next the std of a random sea scatters by a fifth
 RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
+STEEPEST = (8.0, 15.0), (1 / 15, 1 / 25)  # 2π Hs/(g Tp²) that seas have by Tp [s], DNV-RP-C205, 3.5.4
 
 
 def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
@@ -61,7 +62,13 @@ def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ..
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     if scene.platform is not None:
         sentences += [*_of_platform(scene, scene.platform), *_pierced(scene, scene.platform)]
-    sentences += [*_pushed(scene, joints), *_drifting(scene), *_too_short(scene), *overdamped(scene)]
+    sentences += [
+        *_pushed(scene, joints),
+        *_drifting(scene),
+        *_too_short(scene),
+        *_too_steep(scene),
+        *overdamped(scene),
+    ]
     rest = () if joints is None else (*_turned(scene, joints), *_risen(scene, joints))
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
@@ -384,6 +391,18 @@ def _too_short(scene: Scene) -> Iterator[str]:
         yield (
             f"record.duration: {length:g} s are {length / mean:.2g} mean periods of the waves, {mean:.3g} s, and less"
             f" than {FEW:g} tell little of a sea: is it in other units?"
+        )
+
+
+def _too_steep(scene: Scene) -> Iterator[str]:
+    """A sentence for a sea of several waves that is steeper than nature's; white noise has no peak to tell by."""
+    height, peak = (scene.sea.parameters()[name] for name in ("Hm0", "Tp"))
+    steepness, steepest = 2 * np.pi * height / (scene.water.gravity * peak**2), np.interp(peak, *STEEPEST)
+    if scene.sea.omega.size > 1 and steepness > steepest:
+        yield (
+            f"sea: waves of Hs = {height:.3g} m and Tp = {peak:.3g} s have a steepness 2π Hs/(g Tp²) of"
+            f" {steepness:.3g}, above {steepest:.3g}, the limit of natural seas (DNV-RP-C205, 3.5.4): a model test may"
+            " be so steep, no open sea is"
         )
 
 

@@ -21,7 +21,7 @@ from solver.sea.realization import components, regular
 from solver.statistics import STATISTICS
 from tests.awkward import bare_legs, flap, soft_mooring, unequal_legs
 from tests.record.test_slow import soft
-from tests.test_balance import ball
+from tests.test_balance import WHOLE, ball, buoy
 
 
 def lines_in(waves, item, h):
@@ -290,3 +290,17 @@ def test_a_taut_line_that_goes_slack_is_told(length, least, told):
     said = "; ".join(snapped(item, {"line_tension": table}))
     assert (f"floats.barge.lines: line 1, 7.71e+04 N at rest, goes slack, down to {least:.4g} N" in said) == told
     assert not told or not list(snapped(item, {}))
+
+
+@pytest.mark.parametrize(
+    ("Tp", "limit"), [(2.0, 1 / 15), (8.0, 1 / 15), (11.5, 4 / 75), (15.0, 1 / 25), (20.0, 1 / 25)]
+)
+def test_a_sea_steeper_than_those_of_nature_is_told(Tp, limit):
+    """Of several waves, by the period of the highest; white noise has no peak."""
+    item, high = buoy(WHOLE / 2), limit * 9.81 * Tp**2 / (2 * np.pi)
+    for share, told in ((0.99, False), (1.01, True)):
+        Hs = share * high
+        waves = components(amplitude=[Hs / np.sqrt(8), 1e-6], omega=[2 * np.pi / Tp, 7.0], phase=[0.0, 0.0])
+        assert any("limit of natural seas" in text for text in warnings(replace(item, sea=waves))) is told
+    alone = replace(item, sea=regular(height=1.5 * high, period=Tp))
+    assert not any("limit of natural seas" in text for text in warnings(alone))
