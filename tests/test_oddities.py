@@ -304,3 +304,21 @@ def test_a_sea_steeper_than_those_of_nature_is_told(Tp, limit):
         assert any("limit of natural seas" in text for text in warnings(replace(item, sea=waves))) is told
     alone = replace(item, sea=regular(height=1.5 * high, period=Tp))
     assert not any("limit of natural seas" in text for text in warnings(alone))
+
+
+@pytest.mark.parametrize(
+    ("factor", "told"), [(1.0, ""), (1e-3, "in t m2"), (1e-6, "other units"), (1e6, "other units")]
+)
+def test_an_inertia_of_no_such_hull_is_told(factor, told):
+    item = buoy(WHOLE / 2, motion=("heave", "pitch"), damping=0.0, inertia=(factor * 0.02,) * 3)
+    texts = [text for text in warnings(item) if ".inertia: a radius of gyration" in text]
+    assert len(texts) == bool(told) and all("about pitch" in text and told in text for text in texts)
+    sliding = replace(item, floats=(replace(item.floats[0], motion=("heave",)),))
+    assert not any("gyration" in text for text in warnings(sliding))
+
+
+def test_a_long_hull_may_turn_about_its_length():
+    """A cylinder fifty times as long as it is wide, about its axis."""
+    spar = Revolution.vertical_cylinder(radius=1.0, draft=95.0, freeboard=5.0)
+    item = buoy(95e3 * np.pi, hull=spar, motion=("yaw",), inertia=(2.5e8, 2.5e8, 1.5e5))
+    assert not any("gyration" in text for text in warnings(item))
