@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from solver import limits
-from solver.balance import OUT, heaved, held, imbalance
+from solver.balance import OUT, TONNE, heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_pulls, odd_lines
-from solver.scene import DOFS, LEVEL, Float, Platform, Scene, load_unit_along, poses, unit_along
+from solver.scene import DOFS, LEVEL, Float, Platform, Scene, Water, load_unit_along, poses, unit_along
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS, of_joints
 
@@ -25,10 +25,12 @@ SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
 LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m
+GYRATION = 0.1, 10.0  # of the edge of a cube as large as a hull, and of its size: radii of gyration are between them
 FAR = 10.0  # hulls' sizes, from their reference point: no centre of gravity is as far
 TONNES = 0.3, 25.0  # [t/m3] that frames are of, timber to heavy metal; some are of nothing, or next to it
 FEW = 10.0  # mean periods: from one record of so many to the next the std of a random sea scatters by a fifth
 RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
+STEEPEST = (8.0, 15.0), (1 / 15, 1 / 25)  # 2π Hs/(g Tp²) that seas have by Tp [s], DNV-RP-C205, 3.5.4
 
 
 def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
@@ -47,7 +49,7 @@ def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ..
     sentences = [*_of_water(scene)]
     sentences += [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
-    sentences += [text for f in scene.floats for text in _of_units(f)]
+    sentences += [text for f in scene.floats for text in (*_of_units(f), *_of_inertia(f, scene.water))]
     sentences += [*_of_lines(scene, joints)]
     sentences += [f"floats.{f.name}.hull: {note}" for f in scene.floats for note in getattr(f.hull, "notes", ())]
     for group in scene.sharing:
@@ -61,7 +63,13 @@ def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ..
         sentences.append(f"solver.gap_width: no gap or well at rest is narrower than {width:g} m, so no lid damps any")
     if scene.platform is not None:
         sentences += [*_of_platform(scene, scene.platform), *_pierced(scene, scene.platform)]
-    sentences += [*_pushed(scene, joints), *_drifting(scene), *_too_short(scene), *overdamped(scene)]
+    sentences += [
+        *_pushed(scene, joints),
+        *_drifting(scene),
+        *_too_short(scene),
+        *_too_steep(scene),
+        *overdamped(scene),
+    ]
     rest = () if joints is None else (*_turned(scene, joints), *_risen(scene, joints))
     return (*sentences, *(f"sea: {note}" for note in scene.sea.notes), *rest)
 
@@ -105,6 +113,27 @@ def _of_units(item: Float) -> Iterator[str]:
             yield (
                 f"floats.{item.name}.end_stops: {farthest:g} rad of {axis} is more than half a turn, where no float"
                 " comes: are they in degrees?"
+            )
+
+
+def _of_inertia(item: Float, water: Water) -> Iterator[str]:
+    """A sentence for each axis about which a float turns with a radius of gyration that is of no such hull.
+
+    By its mass and by what it displaces, for a mass of other units is told by itself. A long hull has a small radius
+    about its length, though not beside the edge of a cube of what it displaces.
+    """
+    edge = np.cbrt(item.hull.volume)
+    least, most = GYRATION[0] * edge, GYRATION[1] * item.hull.size
+    masses = np.array([item.mass, water.density * item.hull.volume])
+    for axis, d in zip(np.array(item.motion)[item.turns], item.directions[item.turns], strict=True):
+        radii = np.sqrt(d @ item.inertia_tensor @ d / masses)
+        if not ((least <= radii) & (radii <= most)).any():
+            in_tonnes = least / np.sqrt(TONNE) < radii[0] < least
+            asked = "is it in t m2, where kg m2 are needed?" if in_tonnes else "is it or the hull in other units?"
+            yield (
+                f"floats.{item.name}.inertia: a radius of gyration of {radii[0]:.3g} m about {axis}, with a mass of"
+                f" {item.mass:.4g} kg, is of no hull that reaches {item.hull.size:.3g} m and displaces a cube of"
+                f" {edge:.3g} m: {asked}"
             )
 
 
@@ -384,6 +413,18 @@ def _too_short(scene: Scene) -> Iterator[str]:
         yield (
             f"record.duration: {length:g} s are {length / mean:.2g} mean periods of the waves, {mean:.3g} s, and less"
             f" than {FEW:g} tell little of a sea: is it in other units?"
+        )
+
+
+def _too_steep(scene: Scene) -> Iterator[str]:
+    """A sentence for a sea of several waves that is steeper than nature's; white noise has no peak to tell by."""
+    height, peak = (scene.sea.parameters()[name] for name in ("Hm0", "Tp"))
+    steepness, steepest = 2 * np.pi * height / (scene.water.gravity * peak**2), np.interp(peak, *STEEPEST)
+    if scene.sea.omega.size > 1 and steepness > steepest:
+        yield (
+            f"sea: waves of Hs = {height:.3g} m and Tp = {peak:.3g} s have a steepness 2π Hs/(g Tp²) of"
+            f" {steepness:.3g}, above {steepest:.3g}, the limit of natural seas (DNV-RP-C205, 3.5.4): a model test may"
+            " be so steep, no open sea is"
         )
 
 

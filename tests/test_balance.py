@@ -550,8 +550,8 @@ def buoy(mass, scale=1.0, hull=None, **changes):
     """A cylinder free in heave, linear, of a draft of 0.12 and a freeboard of 0.1 m times the scale."""
     usual = Revolution.vertical_cylinder(radius=0.1 * scale, draft=0.12 * scale, freeboard=0.1 * scale)
     item = Float(
-        name="buoy", hull=hull or usual, mass=mass * scale**3, inertia=(0.01 * scale**5,) * 3, hinge=(0.0, 0.0, 0.0),
-        **{"motion": ("heave",), "damping": 2.0, **changes},
+        name="buoy", hull=hull or usual, mass=mass * scale**3, hinge=(0.0, 0.0, 0.0),
+        **{"motion": ("heave",), "damping": 2.0, "inertia": (0.01 * scale**5,) * 3, **changes},
     )  # fmt: skip
     settings = Settings(
         duration=2.0, discard=0.0, ramp=0.0, radiation=False, diffraction=False, froude_krylov="linear", time_step=0.05

@@ -21,7 +21,7 @@ from solver.sea.realization import components, regular
 from solver.statistics import STATISTICS
 from tests.awkward import bare_legs, flap, soft_mooring, unequal_legs
 from tests.record.test_slow import soft
-from tests.test_balance import ball
+from tests.test_balance import WHOLE, ball, buoy
 
 
 def lines_in(waves, item, h):
@@ -290,3 +290,35 @@ def test_a_taut_line_that_goes_slack_is_told(length, least, told):
     said = "; ".join(snapped(item, {"line_tension": table}))
     assert (f"floats.barge.lines: line 1, 7.71e+04 N at rest, goes slack, down to {least:.4g} N" in said) == told
     assert not told or not list(snapped(item, {}))
+
+
+@pytest.mark.parametrize(
+    ("Tp", "limit"), [(2.0, 1 / 15), (8.0, 1 / 15), (11.5, 4 / 75), (15.0, 1 / 25), (20.0, 1 / 25)]
+)
+def test_a_sea_steeper_than_those_of_nature_is_told(Tp, limit):
+    """Of several waves, by the period of the highest; white noise has no peak."""
+    item, high = buoy(WHOLE / 2), limit * 9.81 * Tp**2 / (2 * np.pi)
+    for share, told in ((0.99, False), (1.01, True)):
+        Hs = share * high
+        waves = components(amplitude=[Hs / np.sqrt(8), 1e-6], omega=[2 * np.pi / Tp, 7.0], phase=[0.0, 0.0])
+        assert any("limit of natural seas" in text for text in warnings(replace(item, sea=waves))) is told
+    alone = replace(item, sea=regular(height=1.5 * high, period=Tp))
+    assert not any("limit of natural seas" in text for text in warnings(alone))
+
+
+@pytest.mark.parametrize(
+    ("factor", "told"), [(1.0, ""), (1e-3, "in t m2"), (1e-6, "other units"), (1e6, "other units")]
+)
+def test_an_inertia_of_no_such_hull_is_told(factor, told):
+    item = buoy(WHOLE / 2, motion=("heave", "pitch"), damping=0.0, inertia=(factor * 0.02,) * 3)
+    texts = [text for text in warnings(item) if ".inertia: a radius of gyration" in text]
+    assert len(texts) == bool(told) and all("about pitch" in text and told in text for text in texts)
+    sliding = replace(item, floats=(replace(item.floats[0], motion=("heave",)),))
+    assert not any("gyration" in text for text in warnings(sliding))
+
+
+def test_a_long_hull_may_turn_about_its_length():
+    """A cylinder fifty times as long as it is wide, about its axis."""
+    spar = Revolution.vertical_cylinder(radius=1.0, draft=95.0, freeboard=5.0)
+    item = buoy(95e3 * np.pi, hull=spar, motion=("yaw",), inertia=(2.5e8, 2.5e8, 1.5e5))
+    assert not any("gyration" in text for text in warnings(item))

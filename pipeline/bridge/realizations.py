@@ -45,8 +45,24 @@ class Peaked(Protocol):
         """S(ω) [m² s/rad]."""
 
 
+COLUMNS = {  # that the files of seas are read for
+    MeasuredSpectrum: ("omega", "S"),
+    Components: ("amplitude", "omega", "phase"),
+    Elevation: ("time", "elevation"),
+}
+
+
 def realize(sea: SeaState, waves: Waves, seed: Sequence[int]) -> Realization:
-    """The solver's realization; raises InputError."""
+    """The solver's realization, which tells of columns that its file has for nothing; raises InputError."""
+    made = _realize(sea, waves, seed)
+    if not isinstance(sea, MeasuredSpectrum | Components | Elevation):
+        return made
+    others = columns.unread(sea.file, COLUMNS[type(sea)])
+    notes = [f"{sea.file} has columns that are not read: {', '.join(others)}"] if others else []
+    return dataclasses.replace(made, notes=(*made.notes, *notes))
+
+
+def _realize(sea: SeaState, waves: Waves, seed: Sequence[int]) -> Realization:
     from solver.sea import realization as make
 
     match sea:
@@ -55,10 +71,10 @@ def realize(sea: SeaState, waves: Waves, seed: Sequence[int]) -> Realization:
         case Regular():
             return make.regular(height=sea.height, period=sea.period, phase=sea.phase, heading=waves.heading)
         case Components():
-            lines = columns.read(sea.file, ("amplitude", "omega", "phase"))
+            lines = columns.read(sea.file, COLUMNS[Components])
             return make.components(**lines, heading=waves.heading)
         case Elevation():
-            record = columns.read(sea.file, ("time", "elevation"))
+            record = columns.read(sea.file, COLUMNS[Elevation])
             return make.measured(**record, band=_needed(waves.band), heading=waves.heading)
         case Irregular() | WhiteNoise() | MeasuredSpectrum():
             return make.realize(
@@ -87,7 +103,7 @@ def spectrum(sea: Irregular | WhiteNoise | MeasuredSpectrum, waves: Waves) -> Sp
         case WhiteNoise():
             return shapes.WhiteNoise(Hs=sea.Hs, band=_needed(waves.band))
         case MeasuredSpectrum():
-            table = columns.read(sea.file, ("omega", "S"))
+            table = columns.read(sea.file, COLUMNS[MeasuredSpectrum])
             columns.require_rising(sea.file, "omega", table["omega"])
             return shapes.Tabulated(**table)
         case Irregular():

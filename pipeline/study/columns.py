@@ -43,6 +43,7 @@ QUANTITIES = {
     "S": Column({"m2 s/rad": 1.0, "m2/Hz": 1 / TURN}, least=0.0),
 }
 ALIASES = {"omega": ("omega", "frequency")}
+DIRECTIONAL = "direction", "heading", "spread"  # parts of titles of columns by which waves go several ways
 
 
 @lru_cache(maxsize=32)
@@ -76,6 +77,19 @@ def require_rising(file: Attachment, name: str, values: np.ndarray) -> None:
         (_, before), (line, cells) = rows[falls[0] : falls[0] + 2]
         limit = f"line {line}, column {title}: {cells[at]} must be > {before[at]}, the one before"
         raise InputError("file", file, limit)
+
+
+@lru_cache(maxsize=32)
+def unread(file: Attachment, wanted: tuple[str, ...]) -> tuple[str, ...]:
+    """Columns that a file of waves has besides the wanted ones; refused is one by which waves go several ways."""
+    line, header = next(_rows(file), (1, [""]))
+    known = {title for name in wanted for title in ALIASES.get(name, (name,))}
+    others = tuple(title for title in _titles(header) if title and title not in known)
+    for title in others:
+        if any(part in title.lower() for part in DIRECTIONAL):
+            limit = "must not be there: waves are long-crested, and all go along waves.heading"
+            raise InputError("file", file, f"line {line}: column {title} {limit}")
+    return others
 
 
 def among(file: Attachment, known: tuple[str, ...]) -> list[str]:

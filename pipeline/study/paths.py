@@ -15,7 +15,7 @@ from pipeline.study.axes import last
 from pipeline.study.inherit import KINDS, of_another_kind
 from pipeline.study.reading import describe, dotted, limit_of
 from pipeline.study.schema import StudyFile, units
-from pipeline.study.tables import Table
+from pipeline.study.tables import Table, answer
 
 ALL = "*"
 LISTS = ("nodes", "foundation")  # of which each is a list, by name
@@ -241,6 +241,8 @@ def _name(item: Any) -> str:
 
 
 def _nowhere(key: str, rest: str, known: Iterable[str], above: str) -> str:
+    if words := answer(key):
+        return f"leads nowhere; {words}"
     written = {name.casefold(): name for name in known}
     close = difflib.get_close_matches(key.casefold(), written, n=1)
     if close and (above or key not in FIXED):

@@ -123,6 +123,16 @@ def meaning_of(field: FieldInfo) -> str:
     return next((mark for mark in field.metadata if isinstance(mark, str)), "")
 
 
+ANSWERS = {  # to keys with these parts, which no table has though people look for them
+    "spread": 'waves are long-crested, and a sea has one heading: several are an axis, "waves.heading" = [...]',
+}
+
+
+def answer(key: str) -> str:
+    """What to say of a key that people look for; nothing of others."""
+    return next((words for part, words in ANSWERS.items() if part in key), "")
+
+
 class Table(BaseModel):
     """One table of a study file: immutable, and an unknown key is an error with a suggestion."""
 
@@ -137,7 +147,8 @@ class Table(BaseModel):
                 there = [name for name in names if name != "keys"]  # which holds paths, and is none itself
                 close = difflib.get_close_matches(str(key), there, n=1)
                 known = f"did you mean {close[0]}?" if close else f"known: {', '.join(there)}"
-                raise PydanticCustomError("unknown_key", "{limit}", {"key": key, "limit": f"unknown key; {known}"})
+                limit = f"unknown key; {answer(str(key)) or known}"
+                raise PydanticCustomError("unknown_key", "{limit}", {"key": key, "limit": limit})
         return data
 
     @classmethod

@@ -178,6 +178,12 @@ def test_what_a_record_leaves_out_is_told_under_the_seas_own_name(study_with):
     ("sea", "waves", "told"),
     [
         ("{ Hs = 1.0, Tp = 7.0 }", "band = [0.85, 3.0]", "their spectrum has 1 m: 0.882 m without the 22.13%"),
+        ("{ Hs = 7.5, Tp = 8.0 }", "", "s have a steepness 2π Hs/(g Tp²) of 0.07"),
+        (
+            '{ kind = "components", file = "components.csv" }',
+            "",
+            "components.csv has columns that are not read: remark",
+        ),
         ("{ Hs = 1.0, Tp = 7.0 }", "components = 1", "components = 1 have Hm0 = 0.816 m, and their spectrum has 1 m"),
         ('{ kind = "spectrum", file = "spectrum.csv" }', "band = [1.0, 3.0]", "has 4.9 m: 4 m without the 33.33% of"),
     ],
@@ -272,6 +278,11 @@ BAD = [
     ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n9,1\n10,1"}, "file = x.csv: has no waves in waves.band"),
     ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n"}, "file = x.csv: has a header and no numbers"),
     ('{ kind = "spectrum", file = "x.csv" }', {"x": "omega,S\n1,90\n2,90"}, "sea_states.only.file: Hm0 = 3"),
+    (
+        '{ kind = "spectrum", file = "x.csv" }',
+        {"x": "omega,S,Direction [deg]\n1,1,30\n2,1,30"},
+        "file = x.csv: line 1: column Direction must not be there: waves are long-crested",
+    ),
     ('{ kind = "spectrum", file = "sea.toml" }', {}, "file = sea.toml: line 2: needs a column omega"),
     (
         '{ kind = "components", file = "x.csv" }',

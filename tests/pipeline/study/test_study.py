@@ -21,6 +21,11 @@ BAD = [
     ("depth = 50.0", "depth = nan", "water.depth = nan: must be > 0 m"),
     ("depth = 50.0", "depth = true", "water.depth = True: must be a number [m]"),
     ("depth = 50.0", "", "water.depth: is missing [m]"),
+    (
+        "[waves]",
+        "[waves]\nspreading = 10",
+        "waves.spreading = 10: unknown key; waves are long-crested, and a sea has one",
+    ),
     ("depth = 50.0", "depht = 50.0", "water.depht = 50.0: unknown key; did you mean depth?"),
     (
         "depth = 50.0",

@@ -243,6 +243,7 @@ WRONG = [
     ('"solver.froude_krylov" = ["linear", "nonlinear"]', 'axes."solver.froude_krylov" = nonlinear: must be one of'),
     ('"solver.method" = ["time", "frequency"]\n"solver.froude_krylov" = ["linear", "body-nonlinear"]',
      'axes."solver.method" = frequency: with froude_krylov = body-nonlinear: solver.froude_krylov = body-nonlinear: '),
+    ('"waves.spreading" = [1.0]', "leads nowhere; waves are long-crested, and a sea has one heading"),
     ('"sea.hs" = [1.0]', "leads nowhere; did you mean sea_states.calm.Hs?"),
     ('"axes.seed" = [1]', "leads nowhere: a study has coefficients, water"),
     ('"water.depth" = [true]', 'axes."water.depth" = true: must be a number [m]'),
