@@ -45,7 +45,7 @@ def idle(scene: Scene) -> Iterator[str]:
 
 
 def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
-    """Those that go by no damper."""
+    """Those that scenes share which differ in their dampers alone."""
     sentences = [*_of_water(scene)]
     sentences += [text for f in scene.floats for text in imbalance(f, scene.water, scene.floats)]
     sentences += [text for f in scene.floats for text in held(f, scene.water, scene.floats)]
@@ -347,7 +347,7 @@ def drag_driven(factor: float) -> Iterator[str]:
     if factor > STEEP:
         yield (
             "platform: drag, which goes by the velocity's square, drives the legs: expect largest displacements and"
-            f" stresses up to {factor:.2g} times those of the Gaussian responses that max and min are of"
+            f" stresses up to {factor:.2g} times those of the linear responses that max and min are of"
         )
 
 
@@ -355,7 +355,7 @@ def skewed(factor: float) -> Iterator[str]:
     """A sentence where arms that turn make extremes of joints' forces exceed Gaussian ones by a factor."""
     if factor > APART:
         yield (
-            "floats: arms turn, and forces of joints are not Gaussian: expect largest ones up to"
+            "floats: arms turn, and forces of joints are not linear: expect largest ones up to"
             f" {factor:.2g} times those that max and min have"
         )
 
@@ -366,7 +366,7 @@ def not_gaussian(floats: Sequence[Float], factor: np.ndarray) -> Iterator[str]:
     for (name, axis), times in zip(axes, factor, strict=True):
         if max(times, 1 / times) > APART:
             yield (
-                f"floats.{name}: the load by rate leaves {axis} not Gaussian, as max and min have it: expect"
+                f"floats.{name}: the load by rate makes {axis} unlike the linear model that max and min are of: expect"
                 f" {times:.2g} times their motion and rate, and up to {times**2:.2g} times their power"
             )
 
@@ -409,7 +409,7 @@ def stopped(floats: Sequence[Float], friction: np.ndarray, load: np.ndarray) -> 
 def _too_short(scene: Scene) -> Iterator[str]:
     """A sentence for a record of a sea of several waves that has few of their mean periods."""
     length, mean = scene.settings.duration, scene.sea.parameters()["Tz"]
-    if scene.sea.omega.size > 1 and length < FEW * mean:  # no mean period in still water
+    if not scene.sea.known and length < FEW * mean:  # no mean period in still water
         yield (
             f"record.duration: {length:g} s are {length / mean:.2g} mean periods of the waves, {mean:.3g} s, and less"
             f" than {FEW:g} tell little of a sea: is it in other units?"

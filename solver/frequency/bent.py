@@ -1,6 +1,7 @@
 """What joints of bent laws bear and absorb: statistics over their rates as these are distributed, by the whole law.
 
-Rates are Gaussian, or one harmonic, as the linear model has them; loads f(v) are alike in both senses.
+Rates are Gaussian, one harmonic, or the sum of waves of known phases, as the linear model has them; loads f(v) are
+alike in both senses.
 """
 
 from collections.abc import Callable
@@ -10,6 +11,7 @@ import numpy as np
 from solver.frequency import gaussian
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import JointLoads, bent, joint_loads
+from solver.statistics import moments
 
 Load = Callable[[np.ndarray], np.ndarray]  # of power take-offs (m, n) at rates (m, n)
 COS, SIN = np.cos(gaussian.PHASE)[:, None], np.sin(gaussian.PHASE)[:, None]
@@ -37,19 +39,21 @@ def _loads(law: JointLaw, axes: np.ndarray, rates: np.ndarray) -> JointLoads:
 
 
 def borne_table(load: Load, V: np.ndarray, usual: np.ndarray, F: np.ndarray, of: gaussian.Process) -> np.ndarray:
-    """(n, 5) of forces that are linear but for -f(v), of which their lines F (nw, n) and statistics have -cv, (n, 5).
+    """(n, 5) of forces that are linear but for -f(v), of which their lines F (nl, n) and statistics have -cv, (n, 5).
 
-    c = ⟨fv⟩/⟨v²⟩: what that leaves goes with nothing linear, σ² = σ_F² + ⟨(f - cv)²⟩. Extremes are those of the cycle
-    in which the rate is largest: all that is linear, F + cv, has a part in phase with v and one a quarter turn off.
+    c = ⟨fv⟩/⟨v²⟩ of a Gaussian rate or one harmonic. Of waves whose phases are known, those of the sum. Else what c
+    leaves goes with nothing linear, σ² = σ_F² + ⟨(f - cv)²⟩, and extremes are those of the cycle in which the rate is
+    largest: all that is linear, F + cv, has a part in phase with v and one a quarter turn off.
     """
     mean, sigma = usual[:, 2], gaussian.spread(V)
     variance = np.where(sigma > 0, sigma**2, 1.0)
-    if (v := of.sampled(V)) is not None and (linear := of.sampled(F)) is not None:
-        f = load(v)
-        return gaussian.tabulated(mean + linear + np.mean(f * v, axis=0) / variance * v - f)
-    v = gaussian.SIZES[:, None] * sigma
+    v = gaussian.one_period(V) if len(V) == 1 else gaussian.SIZES[:, None] * sigma
     f = load(v)
+    if len(V) == 1:
+        return moments(mean + gaussian.one_period(F) + np.mean(f * v, axis=0) / variance * v - f)
     c = gaussian.WEIGHTS @ (f * v) / variance
+    if (rates := of.sampled(V)) is not None and (linear := of.sampled(F)) is not None:
+        return moments(mean + linear - linear.mean(axis=0) + c * rates - load(rates))  # of loads that may jump
     std = np.sqrt(usual[:, 4] ** 2 + gaussian.WEIGHTS @ (f - c * v) ** 2)
     L, fastest = F + c * V, gaussian.table(np.zeros(len(c)), V, of)[:, 0]
     phase = 0.5 * np.sum((L * V.conj()).real, axis=0) / variance
@@ -59,14 +63,14 @@ def borne_table(load: Load, V: np.ndarray, usual: np.ndarray, F: np.ndarray, of:
 
 
 def absorbed_table(load: Load, V: np.ndarray, of: gaussian.Process) -> np.ndarray:
-    """(5,) of P = Σ fᵢ(vᵢ) vᵢ of axes with rates of lines V (nw, n).
+    """(5,) of P = Σ fᵢ(vᵢ) vᵢ of axes with rates of lines V (nl, n).
 
     Two axes' powers go together as squares of their rates do, by ρᵢⱼ², and vary less by few lines as theirs do. What
     the largest is above the mean is the largest eigenvalue of ρᵢⱼ √(pᵢpⱼ), p of each alone: that of linear laws, see
     gaussian.power_table.
     """
     if (v := of.sampled(V)) is not None:
-        return gaussian.tabulated(np.sum(load(v) * v, axis=1, keepdims=True))[0]
+        return gaussian.tabulated([np.sum(load(v) * v, axis=1, keepdims=True)])[0]
     S = gaussian.covariance(V, V)
     sigma = np.sqrt(np.diag(S))
     v, fastest = gaussian.SIZES[:, None] * sigma, gaussian.fastest(V, of) * COS

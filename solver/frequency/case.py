@@ -334,10 +334,6 @@ class Case:
         """(nj,) of the law's dampers, which the model does not have."""
         return (dampers(law) - dampers(self.system.bodies.law))[self.system.structure.carrier.shape[0] :]
 
-    def damped_model(self, law: JointLaw) -> LinearModel:
-        """With the law's dampers."""
-        return self.model.damped(self.linear_damping(law))
-
 
 @lru_cache(maxsize=KNOWN)
 def _of_drag(support: Support) -> np.ndarray:

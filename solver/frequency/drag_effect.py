@@ -124,8 +124,8 @@ def _forces_by_drag(case: Case, response: Response, p: np.ndarray) -> np.ndarray
 
 def _of_one(mean: np.ndarray, whole: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """What mean and variance of one wave's compression lack, of means and lines (n, 3): |cos|cos of the drag's part."""
-    cos, size = gaussian.sampled(np.exp(1j * np.angle(part)).reshape(1, -1)), np.abs(part).ravel()
-    usual = mean.ravel() + gaussian.sampled(whole.reshape(1, -1))
+    cos, size = gaussian.one_period(np.exp(1j * np.angle(part)).reshape(1, -1)), np.abs(part).ravel()
+    usual = mean.ravel() + gaussian.one_period(whole.reshape(1, -1))
     both = (usual, usual + size * (WHOLE * np.abs(cos) - 1) * cos)
     before, after = (x[:, :, 0] - np.hypot(x[:, :, 1], x[:, :, 2]) for x in (y.reshape(-1, *mean.shape) for y in both))
     return after.mean(axis=0) - before.mean(axis=0), after.var(axis=0) - before.var(axis=0)

@@ -7,6 +7,7 @@ waves make a force at the difference of their frequencies, by Newman's approxima
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,6 @@ from solver.frequency.case import Case
 from solver.frequency.response import Response
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.bem.far_field import Waves
-from solver.multibody.joint_law import JointLaw
 from solver.record.channels import Channels, Labelled
 from solver.record.spectra import bands
 from solver.scene import Scene
@@ -61,7 +61,7 @@ def energy_residual(case: Case, response: Response, waves: Waves) -> float:
     return float(abs(np.sum(waves.absorbed_power - work)) / np.sum(waves.outgoing_power))
 
 
-def variables(case: Case, response: Response, law: JointLaw) -> tuple[dict[str, Labelled], dict[str, Any]]:
+def variables(case: Case, response: Response) -> tuple[dict[str, Labelled], dict[str, Any]]:
     """Variables of the record, and figures: force, moment and, of a moored support, offset and slow drift."""
     h, scene, channels, waves = (
         require_far_field(case.hydrodynamics),
@@ -88,7 +88,9 @@ def variables(case: Case, response: Response, law: JointLaw) -> tuple[dict[str, 
         loads = np.stack([force[:, 0], force[:, 1], moment], axis=1)
         each = loads[:, [HORIZONTAL.index(channels.names[i]) for i in axes]]
         slow = slow_load(waves.omega, waves.amplitude, each, scene.settings.duration)
-        damped = case.damped_model(law)
+        damped = replace(
+            case.model, damping=case.model.damping + response.damping
+        )  # quadratic ones' by the waves alone
         means, stds, unmet = moved(damped, axes, radiated(case.system, h), each.sum(axis=0), slow)
         for name, values in (("drift_offset", means), ("slow_drift", stds)):
             joints = np.full((1, channels.owner.size), np.nan)

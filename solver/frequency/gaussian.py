@@ -1,13 +1,13 @@
 """Statistics of what a linear model does in a sea: max, min, mean, rms and std as the time domain's tables have them.
 
-Lines X (nw, n) stand for x = μ + Re Σ X exp(-iωt). Several are a Gaussian process of variance m₀ = ½Σ|X|², and its
+Lines X (nl, n) stand for x = μ + Re Σ X exp(-iωt). Several are a Gaussian process of variance m₀ = ½Σ|X|², and its
 extremes those that a narrow band is expected to have in a time T (Cartwright and Longuet-Higgins 1956):
 μ ± (u + γ/u) √m₀, u² = 2 ln N, N = T √(m₂/m₀)/2π cycles; never more than Σ|X|. One line is a harmonic, and lines of
 waves whose phases are known are the sum that they make in the record.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -18,7 +18,7 @@ from scipy.special import ndtr, ndtri
 from solver.kernels import kernel, whole_kernel
 from solver.keys import shared
 from solver.power_takeoff import PtoEfficiency
-from solver.statistics import Statistics
+from solver.statistics import FAINT, Statistics
 
 EULER = 0.5772156649015329
 PHASES = 360  # at which a harmonic is looked at, and directions of an integral all round
@@ -42,27 +42,31 @@ class Process:
     begin: float | None = None  # [s] where phases are known
 
     def sampled(self, X: np.ndarray) -> np.ndarray | None:
-        """Values (m, n) of lines (nl, n): of one harmonic over its period, or over the record; None of random phases.
-
-        Lines that no wave makes widen the others' sum.
-        """
+        """Values (m, n) of lines (nl, n): of one harmonic over its period, else over the record; None if random."""
         if len(X) == 1:
-            return sampled(X)
-        if self.begin is None:
-            return None
+            return one_period(X)
+        return None if self.begin is None else np.concatenate([*self.blocks(X)])
+
+    def blocks(self, X: np.ndarray) -> Iterator[np.ndarray]:
+        """Those over the record one after another. Lines that no wave makes widen the others' sum."""
+        assert self.begin is not None, "of known phases"
         waves = len(X) - self.others
         omega, of_waves = self.omega[:waves], X[:waves]
-        step = 2 * np.pi / (OFTEN * omega.max())
-        count = max(1, int(self.duration / step))
-        turn = np.exp(-1j * np.outer(step * np.arange(BLOCK), omega))
-        starts = self.begin + step * np.arange(0, count, BLOCK)
-        values = np.concatenate([(turn @ (np.exp(-1j * omega * t) * of_waves.T).T).real for t in starts])[:count]
         size = spread(of_waves)
-        return values * np.divide(spread(X), size, out=np.ones(size.shape), where=size > 0)
+        of_waves = of_waves * np.divide(spread(X), size, out=np.ones(size.shape), where=size > 0)
+        step = 2 * np.pi / (OFTEN * omega.max())
+        turn, count = np.exp(-1j * np.outer(step * np.arange(BLOCK), omega)), max(1, int(self.duration / step))
+        for first in range(0, count, BLOCK):
+            Y, rows = np.exp(-1j * omega * (self.begin + step * first))[:, None] * of_waves, turn[: count - first]
+            yield rows.real @ Y.real - rows.imag @ Y.imag
+
+    def unwaved(self, X: np.ndarray) -> np.ndarray:
+        """Which lines (nl, n) have next to nothing of the waves: no sum of those has the others' shape."""
+        return spread(X[: len(X) - self.others]) < FAINT * spread(X)
 
 
 def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
-    """½ Re Σ X Y* (…, n, m) of lines X (…, nw, n), Y (…, nw, m)."""
+    """½ Re Σ X Y* (…, n, m) of lines X (…, nl, n), Y (…, nl, m)."""
     X, Y = (np.concatenate([Z.real, Z.imag], axis=-2) for Z in (X, Y))
     return 0.5 * np.swapaxes(X, -1, -2) @ Y
 
@@ -75,25 +79,29 @@ def _cycles(m0: float, m2: float, duration: float) -> float:
 
 
 def table(mean: np.ndarray, X: np.ndarray, of: Process) -> np.ndarray:
-    """(…, 5) in the order of STATISTICS for means (…) and lines (nw, …)."""
+    """(…, 5) in the order of STATISTICS for means (…) and lines (nl, …)."""
     flat, level = np.ascontiguousarray(X, complex).reshape(len(X), -1), np.broadcast_to(mean, X.shape[1:]).ravel()
-    if len(X) > 1 and (values := of.sampled(flat)) is not None:
-        return tabulated(level + values).reshape(*X.shape[1:], 5)
-    out = np.empty((flat.shape[1], 5))
-    _tabulate(level, flat, of.omega**2, of.duration, out)
+    out, summed = np.empty((flat.shape[1], 5)), np.zeros(flat.shape[1], bool)
+    if of.begin is not None and len(X) > 1:
+        summed = ~of.unwaved(flat)
+        out[summed] = tabulated(level[summed] + block for block in of.blocks(flat[:, summed]))
+    random = np.empty((np.sum(~summed), 5))
+    _tabulate(level[~summed], flat[:, ~summed], of.omega**2, of.duration, random)
+    out[~summed] = random
     return out.reshape(*X.shape[1:], 5)
 
 
-def tabulated(values: np.ndarray) -> np.ndarray:
-    """The same (n, 5) of samples (m, n)."""
+def tabulated(blocks: Iterable[np.ndarray]) -> np.ndarray:
+    """The same (n, 5) of samples (m, n), block by block."""
     of = Statistics()
-    of.add(values)
+    for block in blocks:
+        of.add(block)
     return of.table()
 
 
 @whole_kernel
 def _tabulate(mean: np.ndarray, X: np.ndarray, squared: np.ndarray, duration: float, out: np.ndarray) -> None:
-    """The same of lines (nw, n), ω² (nw,), in one pass over them: as arrays their sums take several times as long."""
+    """The same of lines (nl, n), ω² (nl,), in one pass over them: as arrays their sums take several times as long."""
     n = len(out)
     m0, m2, most = np.zeros(n), np.zeros(n), np.zeros(n)
     _sum(X, squared, m0, m2, most)
@@ -122,13 +130,13 @@ def _largest(m0: float, m2: float, most: float, duration: float) -> float:
 
 
 def power_table(c: np.ndarray, V: np.ndarray, of: Process) -> np.ndarray:
-    """(5,) of P = Σ cᵢ vᵢ² for dampings c (n,) and rates of lines V (nw, n).
+    """(5,) of P = Σ cᵢ vᵢ² for dampings c (n,) and rates of lines V (nl, n).
 
     Mean Σ cᵢσᵢ², variance 2 tr (CS)² of a Gaussian process, see `of_lines`; the largest is that of the strongest
     principal rate, whose square has 2N peaks of exponential distribution, and the others' mean.
     """
     if (rates := of.sampled(V)) is not None:
-        return tabulated(rates**2 @ c[:, None])[0]
+        return tabulated([rates**2 @ c[:, None]])[0]
     if c.size > 1:  # how often an axis moves that absorbs nothing says nothing of the largest
         V, c = V[:, c > 0], c[c > 0]
     m0, m2, most = _sums(V, of.omega)
@@ -140,7 +148,7 @@ def power_table(c: np.ndarray, V: np.ndarray, of: Process) -> np.ndarray:
 
 
 def of_lines(A: np.ndarray, X: np.ndarray) -> float:
-    """Std of xᵀAx of lines X (nw, n) over that of a Gaussian process, (1 - Σ (¼(X*AX)² + ⅛|XᵀAX|²)/2 tr (AS)²)^½.
+    """Std of xᵀAx of lines X (nl, n) over that of a Gaussian process, (1 - Σ (¼(X*AX)² + ⅛|XᵀAX|²)/2 tr (AS)²)^½.
 
     For a line's amplitude does not vary; no two pairs of lines have the same sum or difference of frequencies. Of one
     rate's square 0.79 of two equal lines, 0.995 of 130 of a sea. A (n, n) is symmetric.
@@ -152,7 +160,7 @@ def of_lines(A: np.ndarray, X: np.ndarray) -> float:
 
 
 def _sums(X: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Σ|X|², Σω²|X|² and Σ|X| (n,) of lines (nw, n)."""
+    """Σ|X|², Σω²|X|² and Σ|X| (n,) of lines (nl, n)."""
     m0, m2, most = np.zeros((3, X.shape[1]))
     _sum(np.ascontiguousarray(X), omega**2, m0, m2, most)
     return m0, m2, most
@@ -165,18 +173,18 @@ def _beyond(m0: np.ndarray, m2: np.ndarray, duration: float) -> float:
 
 
 def spread(X: np.ndarray) -> np.ndarray:
-    """std (n,) of lines (nw, n)."""
+    """std (n,) of lines (nl, n)."""
     return np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0))
 
 
 def peak(X: np.ndarray, of: Process) -> np.ndarray:
-    """Expected largest (n,) of lines (nw, n) over their std; 0 of what does not move."""
+    """Expected largest (n,) of lines (nl, n) over their std; 0 of what does not move."""
     told = table(np.zeros(X.shape[1]), X, of)
     return np.divide(told[:, 0], told[:, 4], out=np.zeros(len(told)), where=told[:, 4] > 0)
 
 
 def fastest(V: np.ndarray, of: Process) -> np.ndarray:
-    """The largest sizes (n,), in either sense, of rates of lines (nw, n): those that there are, or are expected."""
+    """The largest sizes (n,), in either sense, of rates of lines (nl, n): those that there are, or are expected."""
     m0, m2, most = _sums(V, of.omega)
     if len(V) == 1:
         return most
@@ -193,8 +201,8 @@ class Axes(NamedTuple):
     damping: np.ndarray  # c (n,): ⟨fv⟩/⟨v²⟩
     stiffness: np.ndarray  # k (n,)
     level: np.ndarray  # ⟨y⟩ (n,)
-    position: np.ndarray  # (nw, n) lines of y - ⟨y⟩
-    rate: np.ndarray  # (nw, n)
+    position: np.ndarray  # (nl, n) lines of y - ⟨y⟩
+    rate: np.ndarray  # (nl, n)
 
     def power(self, y: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Mechanical power (m, n) at samples y, v (m, n)."""
@@ -204,14 +212,15 @@ class Axes(NamedTuple):
 def electrical_table(efficiency: PtoEfficiency, axes: Axes, absorbed: np.ndarray, of: Process) -> np.ndarray:
     """(5,) of Σ g(Pᵢ), Pᵢ = (fᵢ + kᵢyᵢ) vᵢ and g the efficiency of each axis, see PtoEfficiency.
 
-    Without stiffness that of what is absorbed, statistics (5,). Else the mean is that of each axis, see `_absorbed`,
-    and the std that of POINTS of all positions and rates, by as much less as lines leave of that of Σ Pᵢ, see
-    `of_lines`. Largest and least are those of Σ Pᵢ with loads cᵢvᵢ, by its strongest principal part of either sign as
-    in `power_table`, positions from their means, with the loss that the sum would have.
+    Of one harmonic, or of known phases, that of samples. Without stiffness that of what is absorbed, statistics
+    (5,). Else the mean is that of each axis, see `_absorbed`, and the std that of POINTS of all positions and
+    rates, by as much less as lines leave of that of Σ Pᵢ, see `of_lines`. Largest and least are those of Σ Pᵢ with
+    loads cᵢvᵢ, by its strongest principal part of either sign as in `power_table`, positions from their means, with
+    the loss that the sum would have.
     """
     c, k, V = axes.damping, axes.stiffness, axes.rate
     if (rates := of.sampled(V)) is not None and (positions := of.sampled(axes.position)) is not None:
-        return tabulated(efficiency.electrical(axes.power(positions, rates)).sum(axis=1)[:, None])[0]
+        return tabulated([efficiency.electrical(axes.power(positions, rates)).sum(axis=1)[:, None]])[0]
     if not k.any():
         return efficiency.generating * absorbed
     both = np.concatenate([axes.position, V], axis=1)
@@ -256,14 +265,16 @@ def _normal(S: np.ndarray) -> np.ndarray:
 
 
 def compression_table(mean: np.ndarray, X: np.ndarray, of: Process) -> np.ndarray:
-    """(n, 5) of σ = a - |v|, v = (b, c), the most compressive fibre, for means (n, 3) and lines (nw, n, 3) of a, b, c.
+    """(n, 5) of σ = a - |v|, v = (b, c), the most compressive fibre, for means (n, 3) and lines (nl, n, 3) of a, b, c.
 
     σ is the least of all fibres a - v·e(φ): the least σ is the least that any of them is expected to see, and
     the largest is not above any one's largest, nor above a's.
     """
-    if (values := of.sampled(X.reshape(len(X), -1))) is not None:
-        a, b, c = np.moveaxis(mean + values.reshape(-1, *mean.shape), -1, 0)
-        return tabulated(a - np.hypot(b, c))
+    if len(X) == 1 or of.begin is not None:
+        flat = X.reshape(len(X), -1)
+        values = [one_period(flat)] if len(X) == 1 else of.blocks(flat)
+        parts = (np.moveaxis(mean + x.reshape(-1, *mean.shape), -1, 0) for x in values)
+        return tabulated(a - np.hypot(b, c) for a, b, c in parts)
     out = np.empty((len(mean), 5))
     _compressed(mean, X, of.omega**2, of.duration, _directions(PHASES)[: PHASES // 2], _fibres(), out)
     return out
@@ -279,7 +290,7 @@ def _compressed(
     fibres: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """The same, ω² (nw,); half and fibres: unit vectors (…, 2) of half a circle, and what v·e is of.
+    """The same, ω² (nl,); half and fibres: unit vectors (…, 2) of half a circle, and what v·e is of.
 
     Where v is far from zero, |v| = |m| + v∥ + v⊥²/2|m|. Elsewhere cov(a, |v|) = cov(a, v)·⟨v/|v|⟩ (Stein's lemma), and
     |v| = ¼∮|v·e| dφ, so that the means are those of folded normal distributions, alike in opposite directions.
@@ -339,6 +350,6 @@ def _directions(count: int) -> np.ndarray:
     return shared(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
-def sampled(X: np.ndarray) -> np.ndarray:
+def one_period(X: np.ndarray) -> np.ndarray:
     """One harmonic's values (PHASES, n) over its period, from lines (1, n)."""
     return (X * np.exp(-1j * PHASE)[:, None]).real

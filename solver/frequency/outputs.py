@@ -16,14 +16,14 @@ from solver.scene import DOFS
 from solver.statistics import STATISTICS
 
 NEAR = 1e-4  # [m or rad] from equilibrium, where slopes are taken
-Output = tuple[str, np.ndarray, np.ndarray]  # name, mean (…), lines (nw, …)
+Output = tuple[str, np.ndarray, np.ndarray]  # name, mean (…), lines (nl, …)
 
 
 class Forces(NamedTuple):
     """Of an elastic platform's frame, ny of them."""
 
     level: np.ndarray  # (1, ny) mean
-    lines: np.ndarray  # (nw, ny)
+    lines: np.ndarray  # (nl, ny)
 
 
 def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
@@ -32,8 +32,8 @@ def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
         return
     joints, rates = joint_lines(case, response), rate_lines(case, response)
     ends = gaussian.table(np.zeros(joints.shape[1]), joints, case.process)
-    values = case.process.sampled(rates)
-    size = np.sqrt(2 / np.pi) * gaussian.spread(rates) if values is None else np.abs(values).mean(axis=0)
+    of_rates = case.process.sampled(rates)
+    size = np.sqrt(2 / np.pi) * gaussian.spread(rates) if of_rates is None else np.abs(of_rates).mean(axis=0)
     for name, values in (
         ("pto_stroke", ends[:, 0] - ends[:, 1]),
         ("pto_travel", 3600 * size),
@@ -42,12 +42,12 @@ def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
 
 
 def joint_lines(case: Case, response: Response) -> np.ndarray:
-    """Lines of the joints' axes (nw, nj)."""
+    """Lines of the joints' axes (nl, nj)."""
     return response.Z[:, case.system.structure.carrier.shape[0] :]
 
 
 def rate_lines(case: Case, response: Response) -> np.ndarray:
-    """Lines of their rates (nw, nj)."""
+    """Lines of their rates (nl, nj)."""
     return -1j * response.omega[:, None] * joint_lines(case, response)
 
 

@@ -36,7 +36,7 @@ def overtones(
 
     Added mass at the higher frequencies is that at infinity, and nothing radiates there.
     """
-    v = gaussian.sampled(V)
+    v = gaussian.one_period(V)
     parts = TURNED.conj() @ load(v) * (2 / gaussian.PHASES)
     w = (ORDERS * omega)[:, None, None]
     force = np.zeros((ORDERS.size, len(model.mass), 1), complex)

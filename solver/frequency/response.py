@@ -49,11 +49,11 @@ class Drag(NamedTuple):
 class Response:
     """x = x₀ + mean + Re Σ X exp(-iωt) over the lines of a case; nm modes, nb floats."""
 
-    omega: np.ndarray  # (nw,) [rad/s]
-    X: np.ndarray  # (nw, n) of the model's coordinates
-    Z: np.ndarray  # (nw, nz) of the floats' coordinates
-    wrench: np.ndarray  # (nw, nb, 6) all loads on the floats
-    carried: np.ndarray  # (nw, nc) load of the floats on the support's nodes, along their carriers
+    omega: np.ndarray  # (nl,) [rad/s]
+    X: np.ndarray  # (nl, n) of the model's coordinates
+    Z: np.ndarray  # (nl, nz) of the floats' coordinates
+    wrench: np.ndarray  # (nl, nb, 6) all loads on the floats
+    carried: np.ndarray  # (nl, nc) load of the floats on the support's nodes, along their carriers
     drag: Drag
     damping: np.ndarray  # (n, n) of drag and dampers, besides the model's
     pto: np.ndarray  # (nj,) damping of the power take-offs, linearised: power over the rate's mean square
@@ -116,12 +116,12 @@ def _mean(case: Case, rate: np.ndarray) -> Mean:
 class _Round:
     """What moves with a damping, and what the water's drag pushes, both linearised by what moved before."""
 
-    X: np.ndarray  # (n, nw)
-    rate: np.ndarray  # (n, nw)
-    push: np.ndarray  # (n, nw) waves' force and what drag adds to it
+    X: np.ndarray  # (n, nl)
+    rate: np.ndarray  # (n, nl)
+    push: np.ndarray  # (n, nl) waves' force and what drag adds to it
     damping: np.ndarray  # (n, n) of drag and dampers
     K: np.ndarray  # (ns, nd, nd) of the drag: see Stations
-    of_water: np.ndarray  # (nm, nw) what it does to the modes where they do not move
+    of_water: np.ndarray  # (nm, nl) what it does to the modes where they do not move
     pto: np.ndarray  # (nj,) damping of the power take-offs
     bends: np.ndarray  # (nj,) which axes' law has several zones
     stuck: np.ndarray  # (nj,) which axes friction holds
@@ -250,7 +250,7 @@ def _by_overtones(case: Case, law: JointLaw, last: _Round) -> float:
     force = np.zeros(last.X.shape, complex)
     force[axes, 0] = -high.force
     more = case.equation.response(force, last.damping)
-    before, after = (gaussian.sampled(x[axes].T) for x in (last.rate, last.rate - 1j * case.omega * more))
+    before, after = (gaussian.one_period(x[axes].T) for x in (last.rate, last.rate - 1j * case.omega * more))
     moves = response_error(case.system, law, case.omega, (last.X + more).T, last.X.T)
     return max(moves, overtones.power_error(pto_load(law, nc + free), before, after + high.rates))
 

@@ -45,15 +45,18 @@ from solver.statistics import STATISTICS
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
 ROUNDING = 1e-12  # of the largest variance
-CURVED = 48  # coordinates of floats: the memory that curvatures of more take goes with their cube
+CURVED, LARGEST = (
+    48,
+    96,
+)  # coordinates of floats, for all differences and for resonances alone: curvatures take the cube
 MANY, BINS = 40, 12  # waves that stand for all of a sea, and frequencies for their differences
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
 
 
 class _Turning(NamedTuple):
-    """How the levers of nz coordinates change with them."""
+    """How the levers of W' change with nz coordinates."""
 
-    levers: np.ndarray  # ∂ᵢJ (nz, nb, 6, nz)
+    levers: np.ndarray  # ∂ᵢJ (nz, nb, 6, nz), of `wave_levers`: they may turn with the bodies
     directions: np.ndarray  # (nz, nb, 6, 6) of W'
     angles: np.ndarray  # (nz,) which of them turn a float: loads on its lever, or those of its centre of gravity
 
@@ -201,6 +204,9 @@ def resonant(case: Case, response: Response) -> list[tuple[_Swinging, float]]:
 def slow_motions(case: Case, response: Response, swinging: Iterable[tuple[_Swinging, float]]) -> np.ndarray:
     """Their std (n,) of the linear model's coordinates [m, rad, ...]."""
     waves, variance = case.waves.size, np.zeros(len(case.model.mass))
+    swinging = list(swinging)
+    if not swinging:
+        return variance
     added = _added(case, case.waves, response.X[:waves], response.wrench[:waves])
     for of, B in swinging:
         S = _spectrum(of, case.waves, response.Z[:waves], added)
@@ -237,7 +243,7 @@ def _states(omega: np.ndarray, z: np.ndarray) -> np.ndarray:
 def _swinging(case: Case) -> tuple[_Swinging, ...]:
     """The shapes below the waves; none of a single wave, nor without floats."""
     model, omega, shapes = case.model, case.waves, below(case.system, case.hydrodynamics)
-    if not (shapes.omega.size and case.system.scene.floats):
+    if not (shapes.omega.size and case.system.scene.floats) or len(model.shape) > LARGEST:
         return ()
     resting, width, found = case.system.resting, np.ptp(omega) / (omega.size - 1), []
     turns, curves = _turning(resting).levers, _curvature(resting)

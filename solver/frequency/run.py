@@ -112,7 +112,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         spectra = channels.spectra(at, case.waves, scene.sea.amplitude[case.met], parts)
     drifting: dict[str, Labelled] = {}
     if "drift" in scene.settings.outputs:
-        drifting, figures = drift.variables(case, response, law)
+        drifting, figures = drift.variables(case, response)
         said = (str(of.get("unmet", "")) for of in (attrs, figures))
         attrs |= figures | {"unmet": "; ".join(note for note in said if note)}
     counted = None

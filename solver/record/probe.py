@@ -89,7 +89,7 @@ class Probe:
 
     def before(self, bend: float, times: np.ndarray) -> bool:
         """Whether a load history bends most at a time in a block, and what has been judged was before."""
-        return bool(self._errors) and times[0] <= bend <= times[-1]
+        return bool(self._errors) and times[0] - self.system.dt / 2 < bend <= times[-1]
 
     def again(self, first: int, state: State) -> "Probe":
         """Another from there on, whose errors are the larger of both."""

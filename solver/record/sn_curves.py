@@ -29,8 +29,6 @@ TABLE = {
     "W2": (3.0, 11.107, 10.707, 13.845, 10.630, 0.25),
     "W3": (3.0, 10.970, 10.570, 13.617, 10.493, 0.25),
 }
-ENVIRONMENTS = ("air", "seawater-cp", "free-corrosion")
-KNEE = {"air": 7.0, "seawater-cp": 6.0}  # n
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,7 +23,7 @@ from solver.statistics import FAINT
 
 LACKS = 0.05  # of a std: what is said
 WELL = 0.01  # of it: what the discard leaves that is told
-WIDTHS = 2.0  # of a resonance, B, to either side, which have nearly all of it
+WIDTHS = 2.0  # of a resonance, B, to either side, which have 84 % of it
 
 
 def from_rest(system: System, h: Hydrodynamics | None) -> Iterator[str]:

@@ -12,6 +12,8 @@ from solver.frequency.gaussian import Process
 from solver.multibody.of_axes import joint_loads
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.run import simulate
+from solver.sea.realization import components
+from tests import awkward
 from tests.frequency.test_linearised import by_lines, given, hemisphere, hinged, pair
 
 TABLE = PtoTable(velocity=(-2.0, -0.2, 0.2, 2.0), force=(-9e3, -5e3, 5e3, 9e3))
@@ -127,3 +129,18 @@ def test_what_friction_beside_a_spring_and_a_damper_bears():
     for name, far in (("pto_force", 0.05), ("hinge_force", 0.05), ("electrical_power", 0.1)):
         a, b = (np.asarray(x[name][1]).reshape(-1, 5)[-1] for x in (march, lines))
         assert b[2:] == approx(a[2:], rel=far, abs=0.02 * a[3])
+
+
+def test_a_bent_law_in_waves_of_known_phases():
+    """Friction in three waves that meet: as a march has it, whose force jumps where the rate turns."""
+    scene, h = awkward.SCENES["oblique"]()
+    group = components(amplitude=[0.15, 0.2, 0.15], omega=[1.0, 1.1, 1.2], phase=[90.0, 99.0, 108.0])
+    floats = tuple(replace(f, coulomb=4e3, pto_damping=4e4) for f in scene.floats)
+    settings = replace(
+        scene.settings, froude_krylov="linear", duration=20 * np.pi, discard=60.0, outputs=("pto_force", "pto_stroke")
+    )
+    scene = replace(scene, floats=floats, sea=group, settings=settings)
+    march, told = simulate(scene, h), simulate(replace(scene, settings=replace(settings, method="frequency")), h)
+    for name, within in (("pto_force", 0.03), ("absorbed_power", 0.05), ("pto_travel", 0.03)):
+        exact, ours = (r.variables[name][1] for r in (march, told))
+        assert ours == approx(exact, abs=within * np.nanmax(np.abs(exact)), nan_ok=True)

@@ -119,7 +119,7 @@ def test_three_times_a_waves_frequency_may_meet_a_resonance():
 def test_extremes_that_drag_drives_are_told(case):
     """Of the tops by the factor that a warning says, within 20 %."""
     both = records(*case)
-    factor = float(re.search("up to ([0-9.]+) times those of the Gaussian responses", both[1].attrs["warnings"])[1])
+    factor = float(re.search("up to ([0-9.]+) times those of the linear responses", both[1].attrs["warnings"])[1])
     march, lines = tables(both, "top_displacement")
     assert np.ptp(march[:, :2], axis=1) / np.ptp(lines[:, :2], axis=1) == approx(factor, rel=0.2)
 

@@ -535,10 +535,12 @@ def test_a_wave_group_is_told_as_it_is(name):
 
 def test_lines_that_no_wave_makes_widen_the_sum_of_those_of_waves():
     omega = np.array([0.5, 0.75, 3.1])
-    X = np.array([[1.0, 0], [2j, 0], [0.5, 1.0]])
+    X = np.array([[1.0, 0], [2j, 1e-9], [0.5, 1.0]])
     of = Process(omega, 8 * np.pi * 40, others=1, begin=3.0)
     t = of.begin + 2 * np.pi / 0.75 / 16 * np.arange(3)
     values = of.sampled(X)
     sum_of_waves = np.cos(0.5 * t) + 2 * np.sin(0.75 * t)
     assert values[:3, 0] == approx(sum_of_waves * np.sqrt(5.25 / 5))
-    assert values.std(axis=0) == approx([np.sqrt(5.25 / 2), 0.0], rel=1e-3)
+    assert values.std(axis=0) == approx([np.sqrt(5.25 / 2), np.sqrt(0.5)], rel=1e-3)
+    told, random = (gaussian.table(np.ones(2), X, process) for process in (of, Process(omega, of.duration)))
+    assert told[0] == approx(gaussian.tabulated([1 + values])[0]) and told[1] == approx(random[1])

@@ -130,7 +130,7 @@ def test_extremes_that_are_not_a_gaussians_are_told(law, expected):
     item, h = given(cylinder, law, one=False)
     item = replace(item, settings=replace(item.settings, duration=3000.0, keep_series=True))
     lines = by_lines(item, h, keep_series=False)
-    note = re.search("leaves heave not Gaussian, .* expect ([0-9.]+) times", lines.attrs.get("warnings", ""))
+    note = re.search("makes heave unlike the linear model .* expect ([0-9.]+) times", lines.attrs.get("warnings", ""))
     if expected is None:
         assert note is None
         return

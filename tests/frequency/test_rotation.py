@@ -230,7 +230,7 @@ def test_that_turning_skews_forces_is_told():
     for angle, told in ((0.06, True), (0.01, False)):
         item, h = swinging("steep_arm", angle, lambda item: item)
         text = simulate(item, h).attrs.get("warnings", "")
-        assert ("arms turn, and forces of joints are not Gaussian" in text) is told
+        assert ("arms turn, and forces of joints are not linear" in text) is told
 
 
 def test_waves_of_one_frequency_make_no_difference():

@@ -10,12 +10,14 @@ from scipy.special import gamma
 
 from solver.errors import InputError
 from solver.record import fatigue
-from solver.record.sn_curves import ENVIRONMENTS, KNEE, TABLE, curve
+from solver.record.sn_curves import TABLE, curve
 from solver.run import simulate
 from solver.scene import Fatigue, Settings
 from tests.awkward import bare_legs, raking
 
 THIN = np.array([0.02])
+ENVIRONMENTS = ("air", "seawater-cp", "free-corrosion")
+KNEE = {"air": 7.0, "seawater-cp": 6.0}  # n
 FREE = Fatigue(environment="free-corrosion")  # one slope, m = 3
 
 
