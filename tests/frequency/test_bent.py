@@ -134,7 +134,7 @@ def test_what_friction_beside_a_spring_and_a_damper_bears():
 def test_a_bent_law_in_waves_of_known_phases():
     """Friction in three waves that meet: as a march has it, whose force jumps where the rate turns."""
     scene, h = awkward.SCENES["oblique"]()
-    group = components(amplitude=[0.15, 0.2, 0.15], omega=[1.0, 1.1, 1.2], phase=[90.0, 99.0, 108.0])
+    group = components(amplitude=[0.15, 0.2, 0.15], omega=[1.0, 1.1, 1.2], phase=[90.0, 99.0, 108.0], heading=np.pi / 6)
     floats = tuple(replace(f, coulomb=4e3, pto_damping=4e4) for f in scene.floats)
     settings = replace(
         scene.settings, froude_krylov="linear", duration=20 * np.pi, discard=60.0, outputs=("pto_force", "pto_stroke")

@@ -100,7 +100,7 @@ def test_lines_are_those_of_the_whole_drag(stream):
         stations = type(stations)(frame, stations.water.view(complex), flow)
     at, static = case.nodes.omega, frame.scale / frame.omega**2
     width = beyond.nodes(float(case.waves.max()), np.zeros(0), np.zeros(0), np.zeros(0)).width
-    forces = beyond.forces(stations, case.waves, case.duration, beyond.Nodes(at, width))
+    forces = beyond.forces(stations, case.waves, case.process.duration, beyond.Nodes(at, width))
     found = stations.shape @ forces * static[:, None]
     exact = samples(stations, frame, case.waves, at[-1] + width[-1] / 2) * static[:, None]
     total, low = ([np.sum(np.abs(x[:, : x.shape[1] // part]) ** 2) for x in (found, exact)] for part in (1, 5))
