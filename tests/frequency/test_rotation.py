@@ -85,6 +85,15 @@ def test_a_float_on_a_clamped_node_loads_the_ground_as_on_springs():
     assert judged == approx(usual[:waves], abs=1e-9 * np.abs(usual).max())
 
 
+def test_a_load_that_speeds_a_float_up_freely_is_on_no_carrier():
+    item, h = SCENES["unequal_legs"]()
+    case = case_of(linear(item, method="frequency"), h)
+    load = (case.model.floats[2] @ case.model.shape[:, -1])[None]
+    none, still = np.zeros((1, len(case.model.mass))), harmonics._Waves(*[None] * 6, against=case.model.floats[:1])
+    assert np.abs(load[0, :-1]).max() > 1.0
+    assert harmonics._carried(case, still, load, none, none) == approx(0.0, abs=1e-9 * np.abs(load).max())
+
+
 def swinging(name, angle, waves):
     """A linear scene in which a float's angle has a std in these waves, as the frequency domain has it."""
     item, h = (SCENES | {each.__name__: each for each in (steep_arm, ring_on_a_spar, column)})[name]()
