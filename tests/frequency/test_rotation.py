@@ -85,6 +85,18 @@ def test_a_float_on_a_clamped_node_loads_the_ground_as_on_springs():
     assert judged == approx(usual[:waves], abs=1e-9 * np.abs(usual).max())
 
 
+def test_loads_on_a_frame_are_what_its_modes_need():
+    """Lines to what rounds of the drag leave, and the mean."""
+    item, h = SCENES["unequal_legs"]()
+    case = case_of(linear(item, method="frequency"), h)
+    frame, found = case.system.structure, rotation.turned(case, respond_in(case, case.law(item.floats)))
+    nm = frame.omega.size
+    needed = case.model.of_modes(found.omega) * found.X[:, :nm] - case.modal.T - found.drag.modes
+    assert found.carried @ frame.carrier == approx(needed, abs=1e-5 * np.abs(needed).max())
+    held = frame.omega**2 * found.mean.x[:nm]
+    assert found.mean.carried @ frame.carrier == approx(held, abs=1e-9 * np.abs(held).max())
+
+
 def test_a_load_that_speeds_a_float_up_freely_is_on_no_carrier():
     item, h = SCENES["unequal_legs"]()
     case = case_of(linear(item, method="frequency"), h)
