@@ -12,7 +12,9 @@ harmonics Re{X exp(-iωt)} of what radiates E x:
 
 and all loads on the floats, whose negative their joints bear, are by the same differences
 
-    W = Σ (-iω)ᵏ Wₖ X, k = 0, 1, 2,   plus the excitation, and iω Y E X on what radiates.
+    W = Σ (-iω)ᵏ Wₖ X, k = 0, 1, 2,   plus the excitation, and iω Y E X on what radiates,
+
+and what they put on the structure those rows of JᵀW, clamped carriers' too.
 """
 
 from dataclasses import dataclass, replace
@@ -97,6 +99,16 @@ class LinearModel:
         radiated = (Y @ (rate * parts[18 * nb :]).T[..., None])[..., 0].T
         total -= real_by_complex(self.along, radiated).reshape(nb, 6, omega.size)
         return pushed + np.moveaxis(total, -1, 0)
+
+    def carried(self, omega: np.ndarray, Z: np.ndarray, Y: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """JᵀW (nw, nc) on the carriers where the floats' coordinates are Z (nw, nz), with the waves' force (nw, na) on
+        what radiates."""
+        (nz, n), rate = self.shape.shape, -1j * omega
+        nc = nz - (n - self.modes.shape[1])
+        parts = real_by_complex(np.concatenate([*self.floats[:, :nc], self.radiating]), Z.T)
+        held, damped, pulled = parts[: 3 * nc].reshape(3, nc, omega.size)
+        pushed = force - (Y @ (rate * parts[3 * nc :]).T[..., None])[..., 0]
+        return (real_by_complex(self.radiating[:, :nc].T, pushed.T) - held - rate * (damped + rate * pulled)).T
 
     def pushed(self, force: np.ndarray) -> np.ndarray:
         """(nw, nb, 6) of the waves' forces (nw, na) on what radiates."""

@@ -17,14 +17,12 @@ from solver.frequency import beyond, gaussian
 from solver.frequency.condensed import Condensed
 from solver.frequency.stations import Stations
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.keys import Bits
 from solver.lines import real_by_complex
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import DAMPERS, damped, dampers
 from solver.oddities import of_undamped
 from solver.record.channels import Channels
 from solver.record.effects import unlike
-from solver.record.response import carried
 from solver.scene import Float, Scene
 
 OTHERS = tuple(f.name for f in fields(Float) if f.name not in DAMPERS)
@@ -232,11 +230,6 @@ class Case:
             return np.zeros((0, *self.system.structure.station.shape[1:]))
         return _of_drag(self.system.support)
 
-    @property
-    def to_carriers(self) -> np.ndarray:
-        """(nm, nc) from loads on the modes to those on the carriers that make them."""
-        return _inverse(Bits(self.system.structure.carrier))
-
     def drag(self, rate: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """K, and what it does to the modes (see Stations), where they move at rates (nm, nw), if they do."""
         if not self.stations.size:
@@ -309,9 +302,10 @@ class Case:
         """JᵀW (nz,) and W (nb, 6) of the floats."""
         return loads_at_rest(self.system.resting)
 
-    def carried(self, w: np.ndarray, P: np.ndarray, load: np.ndarray) -> np.ndarray:
-        """By the frame at frequencies w (nw,), of modes P and loads on them (nm, nw): see response.carried."""
-        return carried(self.system.structure, self.to_carriers, w, P, load)
+    def carried_by(self, x: np.ndarray) -> np.ndarray:
+        """JᵀW (nc,) on the carriers, of a steady x (n,)."""
+        held = self.model.floats[0, : self.system.structure.carrier.shape[0]]
+        return np.asarray(-held @ (self.model.shape @ x))
 
     def shift(self, load: np.ndarray) -> np.ndarray:
         """C⁻¹ f (n,) of a steady load (n,); what nothing holds stays where it is."""
@@ -341,9 +335,3 @@ def _of_drag(support: Support) -> np.ndarray:
     forces = [support.forces.drag] if support.forces is not None else []
     maps = np.concatenate([*forces, support.left_out.drag], axis=1)
     return maps.T.reshape(maps.shape[1], *support.station_shape.shape[1::-1])
-
-
-@lru_cache(maxsize=KNOWN)
-def _inverse(matrix: Bits[np.ndarray]) -> np.ndarray:
-    """The pseudoinverse, to rounding."""
-    return np.linalg.pinv(matrix.value, rtol=max(1, *matrix.value.shape) * np.finfo(float).eps)

@@ -131,7 +131,8 @@ def turning_effect(
     X, last, share = linear, np.inf, 1.0
     for _ in range(ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
-            more, wrench = _beyond(case, waves, X)
+            load, wrench = _beyond(case, waves, X)
+        more = load @ case.model.shape
         more[below] = more[below] @ slow.others
         found = linear.copy()
         found[0] += case.shift(more[0].real)
@@ -146,10 +147,12 @@ def turning_effect(
             wrench = case.model.loads(omega, found - X, waves.Y, wrench)
             borne = response.wrench, lattice.first(standing.lines(response.wrench)), wrench
             told, usual, exact = map(case.channels.hinge_force, borne)
+            further = found - linear
+            carried = _carried(case, waves, load, more, further)
             error = max(
                 _of_motions(case, law, waves, response, linear, found, slow),
                 _of_forces(case, waves, told, usual, exact),
-                *_of_frame(case, waves, frame, standing.lines(frame.lines), found - linear, slow.compression),
+                *_of_frame(case, waves, frame, standing.lines(frame.lines), further, carried, slow.compression),
             )
             each = (lines.reshape(len(lines), -1) for lines in (told, usual, exact))
             return Effect(error, _extremes(case, waves, standing, *each))
@@ -250,15 +253,22 @@ def _changed(square: np.ndarray, grown: np.ndarray, least: np.ndarray | float = 
 
 
 def _of_frame(
-    case: Case, waves: _Waves, frame: Forces, own: np.ndarray, more: np.ndarray, compression: np.ndarray
+    case: Case,
+    waves: _Waves,
+    frame: Forces,
+    own: np.ndarray,
+    further: np.ndarray,
+    carried: np.ndarray,
+    compression: np.ndarray,
 ) -> Iterator[float]:
-    """The same of what the frame's steel bears, lines `own` (nw, ny), by further motions (nk, n), their drag aside."""
-    support, steel, P = case.system.support, case.channels.steel, more[1:, : case.system.structure.omega.size]
+    """The same of what the frame's steel bears, lines `own` (nw, ny), by further motions (nk, n), their drag aside, and
+    loads of the floats on the carriers (nk, nc)."""
+    support, steel, P = case.system.support, case.channels.steel, further[1:, : case.system.structure.omega.size]
     if support is None or support.forces is None or steel is None:
         return
-    lattice, usual, added = waves.lattice, waves.lattice.first(own), np.zeros((len(more), own.shape[1]), complex)
-    rate, borne = -1j * waves.omega[1:, None], case.carried(waves.omega[1:], P.T, np.zeros((P.shape[1], 1)))
-    added[1:] = support.forces.whole(support.forces.of_motion(rate * P, rate**2 * P, borne))
+    lattice, usual, added = waves.lattice, waves.lattice.first(own), np.zeros((len(further), own.shape[1]), complex)
+    rate = -1j * waves.omega[1:, None]
+    added[1:] = support.forces.whole(support.forces.of_motion(rate * P, rate**2 * P, carried[1:]))
     every = (steel.channels(lines) for lines in (frame.lines, usual, usual + added))
     for (_, lines), (_, before), (_, after) in zip(*every, strict=True):
         square = np.sum(np.abs(lines) ** 2, axis=0)
@@ -271,8 +281,18 @@ def _of_frame(
     yield _changed(full, np.maximum(full + 2 * change, 0.0))
 
 
+def _carried(case: Case, waves: _Waves, load: np.ndarray, more: np.ndarray, further: np.ndarray) -> np.ndarray:
+    """On the carriers (nk, nc) by N (nk, nz), of which `more` (nk, n) makes the further motions (nk, n)."""
+    model = case.model
+    borne = load - (waves.against @ (further @ model.shape.T)[..., None])[..., 0]
+    # What of N makes none would speed a shape up, and so is borne by that one's inertia.
+    freely = np.linalg.solve(model.mass, (load @ model.shape - more).T)
+    borne -= (model.floats[2] @ (model.shape @ freely)).T
+    return np.asarray(borne[:, : case.system.structure.carrier.shape[0]])
+
+
 def _beyond(case: Case, waves: _Waves, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """N (nk, n), and all loads W on the floats (nk, nb, 6)."""
+    """N (nk, nz) on the floats' coordinates, and all loads W on the floats (nk, nb, 6)."""
     body, _, rest = case.system.resting.value
     lattice, model, rate, Z = waves.lattice, case.model, -1j * waves.omega[:, None], X @ case.model.shape.T
     z, dz, ddz = np.split(lattice.at_instants(np.concatenate([Z, rate * Z, rate**2 * Z], axis=1)), 3, axis=1)
@@ -289,4 +309,4 @@ def _beyond(case: Case, waves: _Waves, X: np.ndarray) -> tuple[np.ndarray, np.nd
     every = lattice.lines(np.concatenate([load, wrench.reshape(nt, 6 * nb) + water], axis=1))
     more = every[:, :nz] + (waves.against @ Z[..., None])[..., 0] - waves.force
     more[0] -= case.loads_at_rest[0]
-    return more @ model.shape, every[:, nz:].reshape(-1, nb, 6)
+    return more, every[:, nz:].reshape(-1, nb, 6)

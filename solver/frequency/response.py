@@ -74,17 +74,18 @@ def respond(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Response:
 
 def respond_in(case: Case, law: JointLaw) -> Response:
     """To a case's sea, with the law of its joints."""
-    model, omega, frame = case.model, case.omega, case.system.structure
-    last, nm = _agreed(case, law), frame.omega.size
+    model, omega = case.model, case.omega
+    last, nm = _agreed(case, law), model.modes.shape[1]
     excess = _excess(case, law, last)
     X, drag = last.X.T, _borne(case, last) if case.stations.size else _no_drag(case)
     wrench = model.loads(omega, X, case.impedance, case.excitation)
+    Z = real_by_complex(model.shape, last.X).T
     return Response(
         omega=omega,
         X=X,
-        Z=real_by_complex(model.shape, last.X).T,
+        Z=Z,
         wrench=wrench,
-        carried=case.carried(omega, last.X[:nm], case.modal + drag.modes.T),
+        carried=model.carried(omega, Z, case.impedance, case.radiating),
         drag=drag,
         damping=last.damping,
         pto=last.pto,
@@ -108,8 +109,7 @@ def _mean(case: Case, rate: np.ndarray) -> Mean:
     more = drag - frame.drag * np.linalg.norm(stations.stream, axis=0) * stations.stream
     load[:nm] = np.tensordot(frame.station, more, axes=2)
     x = case.shift(load)
-    carried = case.carried(np.zeros(1), x[:nm, None], load[:nm, None])[0].real
-    return Mean(x=x, wrench=model.wrench[0] @ x, carried=carried, drag=drag)
+    return Mean(x=x, wrench=model.wrench[0] @ x, carried=case.carried_by(x), drag=drag)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

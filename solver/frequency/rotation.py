@@ -77,15 +77,14 @@ def turned(case: Case, response: Response) -> Response:
     """With what it adds to the means; where no joint turns, nothing."""
     if not _turning(case.system.resting).angles.any():
         return response
-    x, wrench = mean_shift(case, response)
-    was, nm = response.mean, case.model.modes.shape[1]
-    carried = case.carried(np.zeros(1), x[:nm, None], np.zeros((nm, 1)))[0].real
+    (x, wrench, carried), was = mean_shift(case, response), response.mean
     mean = was._replace(x=was.x + x, wrench=was.wrench + wrench, carried=was.carried + carried)
     return replace(response, mean=mean)
 
 
-def mean_shift(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:
-    """Of the linear model's coordinates (n,) [m, rad, ...] and the loads on the floats (nb, 6), without drag's."""
+def mean_shift(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the linear model's coordinates (n,) [m, rad, ...] and the loads on the floats (nb, 6) and, by them, on the
+    carriers (nc,), without drag's."""
     model, resting, borne = case.model, case.system.resting, response.wrench
     turning, states = _turning(resting), _states(response.omega, response.Z)
     nz, n = turning.angles.size, states.shape[1]
@@ -96,7 +95,8 @@ def mean_shift(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:
     load += np.tensordot(of_waves, turning.levers.reshape(nz, -1, nz), 2)
     wrench += np.einsum("ibrs,ibs->br", turning.directions, of_waves.reshape(nz, -1, 6))
     x = case.shift(model.shape.T @ load)
-    return x, wrench + model.wrench[0] @ x
+    on_carriers = case.carried_by(x)
+    return x, wrench + model.wrench[0] @ x, on_carriers + load[: on_carriers.size]
 
 
 def _in_still_water(resting: Resting, of_states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -56,7 +56,8 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         bound(tables, scene, channels, joint_law(scene.floats), fastest)
         ways = np.stack([0 * fastest, fastest])  # tables are by rate alone
         beyond = beyond_tables(scene.floats, -ways, ways)
-    mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], response.drag.tops[:waves])
+    drag = response.drag.tops[:waves], response.mean.drag.ravel()
+    mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], *drag)
     elements = elements_effect(scene, hydrodynamics, support)
     of_drag = drag_effect(case, response, *frame, tables)
     slipping = _stopped(case, law, response) if response.stuck.any() else []

@@ -128,7 +128,7 @@ def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
 
 
 def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
-    """What the shapes left out of a frame's motion change of the std of its legs' tops in the linear response.
+    """What the shapes left out of a frame's motion change of the std and mean of its legs' tops in the linear response.
 
     In this sea, with drag linearised by the water's own velocity; and of what load histories move, if that is more.
     """
@@ -138,13 +138,17 @@ def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
     by_histories = unswung(system)
     if not sea.amplitude.any():
         return by_histories
-    X, drag = in_waves(system, h)
+    X, _, drag, mean = in_waves(system, h)
     waves = np.abs(sea.amplitude) > 0
-    return max(by_histories, left_out_effect(system, X[waves], drag[waves] @ support.left_out.drag))
+    return max(by_histories, left_out_effect(system, X[waves], drag[waves] @ support.left_out.drag, mean))
 
 
-def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
-    """The same of the response X (nw, n) to the waves that are not of zero height, and of drag on the rest (nw, nt)."""
+def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray, mean: np.ndarray) -> float:
+    """The same of the response X (nw, n) to the waves that are not of zero height, of drag on the rest (nw, nt), and of
+    the mean drag (nd ns,).
+
+    Static shapes hold that of the current alone: waves beside it change its profile over the depth.
+    """
     support, sea = system.support, system.scene.sea
     if support is None or not support.left_out.tops.size:
         return 0.0
@@ -154,7 +158,12 @@ def left_out_effect(system: System, X: np.ndarray, drag: np.ndarray) -> float:
     exact = usual + of_waves + drag.T + sea.omega[waves] ** 2 * inertia
     std, true = lengths(usual), lengths(exact)
     used = std > FAINT * std.max()
-    return float(np.abs(true[used] / std[used] - 1).max(initial=0.0))
+    off = float(np.abs(true[used] / std[used] - 1).max(initial=0.0))
+    mean_top = support.shapes[support.left_out.tops] @ system.equilibrium[1]
+    rms = np.hypot(mean_top, std / np.sqrt(2))
+    shift = np.abs(mean @ support.left_out.drag)
+    used = rms > FAINT * rms.max()
+    return max(off, float((shift[used] / rms[used]).max(initial=0.0)))
 
 
 @lru_cache(maxsize=KNOWN)

@@ -265,8 +265,8 @@ def least_sizes(system: System, stds: Mapping[str, np.ndarray]) -> dict[str, np.
     reach = dict.fromkeys(MOTIONS, np.ones(())) | {name: x[0] for name, x in channels.motions(length)}
     least = FAINT**2 * max(np.nanmax(reach[name] * std, initial=0.0) for name, std in stds.items())
     sizes = {name: least / reach[name] for name in stds} | {"hinge_force": least_force(scene)}
-    if scene.floats:
-        name = "motion" if "motion" in stds else "rotation"
+    name = "motion" if "motion" in stds else "rotation"
+    if name in stds:  # not where all floats are fixed
         rest = ~_working(system, channels, stds[name] > sizes[name])
         sizes |= dict.fromkeys(POWERS, np.where(rest, np.inf, 0.0))
     return sizes

@@ -1,16 +1,15 @@
 """The linear response of a scene in its own sea, drag linearised by the water's own velocity."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from solver.coupled import linear_drag
 from solver.coupled.linear import impedance, linear_model
-from solver.coupled.modal import Structure
-from solver.coupled.moving import force_of_waves
+from solver.coupled.moving import excitation, force_of_waves
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.lines import real_by_complex
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import absorbing
 
@@ -21,17 +20,29 @@ def absorbs(system: System, law: JointLaw) -> np.ndarray:
     return np.concatenate([np.zeros(modes, bool), absorbing(law)[carriers:]])
 
 
-def in_waves(system: System, h: Hydrodynamics | None) -> tuple[np.ndarray, np.ndarray]:
-    """X (nw, n) of its coordinates, and the water's drag (nw, nd ns) at the stations [N]."""
+class InWaves(NamedTuple):
+    """The response, wave by wave."""
+
+    X: np.ndarray  # (nw, n) of the coordinates
+    carried: np.ndarray  # (nw, nc) load of the floats on the carriers
+    drag: np.ndarray  # (nw, nd ns) the water's at the stations [N]
+    mean: np.ndarray  # (nd ns,) of that drag
+
+
+def in_waves(system: System, h: Hydrodynamics | None) -> InWaves:
+    """Of a scene."""
     support, omega = system.support, system.scene.sea.omega
     station, water = system.structure.station, _beside(system)
-    drag = np.zeros(water.shape, complex)
+    drag, mean = np.zeros(water.shape, complex), np.zeros(water.shape[1:])
     if support is not None and drag.size:
-        drag = system.structure.drag * linear_drag.by_station(_equivalent(support.stream, water), water)
+        force, K = _equivalent(support.stream, water)
+        drag, mean = system.structure.drag * linear_drag.by_station(K, water), system.structure.drag * force.T
     flat = drag.reshape(len(drag), math.prod(station.shape[1:]))
     Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, 0, 0))
     force = force_of_waves(system, h, flat @ station.reshape(len(station), flat.shape[1]).T)
-    return linear_model(system).response(omega, Y, force), flat
+    model = linear_model(system)
+    X, pushed = model.response(omega, Y, force), excitation(system, h, omega) * system.scene.sea.amplitude[:, None]
+    return InWaves(X, model.carried(omega, X @ model.shape.T, Y, pushed), flat, mean.ravel())
 
 
 def drag_damping(system: System) -> np.ndarray:
@@ -39,7 +50,7 @@ def drag_damping(system: System) -> np.ndarray:
     frame, support, nm = system.structure, system.support, system.structure.omega.size
     if support is None or not frame.drag.any():
         return np.zeros((nm, nm))
-    K = frame.drag[:, None, None] * _equivalent(support.stream, _beside(system))
+    K = frame.drag[:, None, None] * _equivalent(support.stream, _beside(system))[1]
     return np.asarray(np.einsum("mds,sde,nes->mn", frame.station, K, frame.station, optimize=True))
 
 
@@ -49,19 +60,10 @@ def _beside(system: System) -> np.ndarray:
     return np.asarray(system.rows[system.layout.station].T.reshape(system.scene.sea.omega.size, *station.shape[1:]))
 
 
-def carried(frame: Structure, to_carriers: np.ndarray, w: np.ndarray, P: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """What the modes' equation leaves to the floats, Sᵀ h = (-ω² - 2iζω_mω + ω_m²) P - load: h (nw, nc).
-
-    At frequencies w (nw,), of P and load (nm, nw); to_carriers (nm, nc): from loads on the modes to those behind them.
-    """
-    own, slope = frame.omega[:, None], frame.damping[:, None]
-    force = (own**2 - w**2 - 2j * slope * own * w) * P - load
-    return real_by_complex(to_carriers.T, force).T
-
-
-def _equivalent(stream: np.ndarray, water: np.ndarray) -> np.ndarray:
-    """K (ns, nd, nd) [m/s] of the waves' own velocity (nw, nd, ns) in a current; those without height are none."""
+def _equivalent(stream: np.ndarray, water: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean (ns, nd) [m²/s²] and K (ns, nd, nd) [m/s] of the waves' own velocity (nw, nd, ns) in a current; those
+    without height are none."""
     water = water[np.any(water, axis=(1, 2))]
     if not stream.any():
-        return linear_drag.of_lines(water)
-    return linear_drag.of_parts_in(stream, linear_drag.parts(water))[1]
+        return np.zeros(stream.T.shape), linear_drag.of_lines(water)
+    return linear_drag.of_parts_in(stream, linear_drag.parts(water))

@@ -15,8 +15,9 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
-from solver.sea.realization import CALM, realize
+from solver.sea.realization import CALM, realize, regular
 from solver.sea.spectrum import PiersonMoskowitz
+from tests import awkward
 from tests.once import solve
 
 RHO, DEPTH = 1025.0, 60.0
@@ -108,6 +109,20 @@ def test_a_fixed_body_alone_bears_the_waves():
 @cache
 def known_alone(panels=108):
     return solve((PILLAR,), np.zeros((1, 3)), depth=DEPTH, omega=np.linspace(0.5, 7.0, 22), panels=panels)
+
+
+def test_on_legs_that_bend_a_fixed_body_pushes_as_in_the_frequency_domain():
+    whole, _ = awkward.unequal_legs()
+    fixed = replace(whole.floats[0], motion=(), pto_damping=0.0)
+    dry = {"radiation": False, "diffraction": False, "froude_krylov": "linear", "duration": 60.0, "ramp": 10.0}
+    whole = replace(whole, floats=(fixed,), sea=regular(height=0.5, period=5.0))
+    march, lines = (
+        simulate(replace(whole, settings=replace(whole.settings, **dry, method=method))).variables
+        for method in ("time", "frequency")
+    )
+    for name in ("top_displacement", "hinge_force"):
+        ours, theirs = (record[name][1][..., 4] for record in (march, lines))
+        assert np.abs(ours - theirs).max() < 0.05 * theirs.max()
 
 
 def test_a_fixed_body_has_no_joint_and_no_augmented_path():

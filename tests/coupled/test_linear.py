@@ -18,6 +18,7 @@ from solver.record import effects
 from solver.record.effects import coefficient_effects, shapes_effect
 from solver.run import simulate
 from solver.scene import DOFS, Float
+from solver.sea.current import Current
 from solver.sea.realization import regular
 from tests.awkward import RHO, SCENES, known, scene
 from tests.hydrodynamics.shapes import box
@@ -102,6 +103,20 @@ def test_shapes_effect_is_what_all_shapes_show(name, monkeypatch):
     assert told > 1e-5 and 1 / 3 < true / told < 3
     assert none < 1e-9
     support._reduced.cache_clear()
+
+
+@pytest.mark.parametrize("method", ["frequency", "time"])
+def test_shapes_effect_is_what_mean_drag_of_waves_in_a_current_does(method):
+    """Its profile over the depth is another than that of the current alone, which the static shapes hold."""
+    legs, current = SCENES["bare_legs"]()[0], Current(speed=0.8, exponent=0.2, direction=0.6)
+    legs = replace(legs, sea=regular(height=3.0, period=7.0, heading=-0.9), current=current)
+    asked = {"froude_krylov": "linear", "method": method, "duration": 56.0, "ramp": 14.0}
+    asked |= {"time_step": 0.1} if method == "time" else {}
+    usual, exact = (simulate(replace(legs, settings=replace(legs.settings, **asked, modes=n))) for n in (6, "all"))
+    ours, theirs = (record.variables["top_displacement"][1] for record in (usual, exact))
+    true = np.abs((ours - theirs)[..., 2] / theirs[..., 3]).max()
+    assert usual.attrs["shapes_effect"] == approx(true, rel=0.1) and true > 1e-2
+    assert exact.attrs["shapes_effect"] < 1e-9
 
 
 @pytest.mark.parametrize(("drag", "legs"), [(0.0, True), (1.0, False), (0.0, False)])

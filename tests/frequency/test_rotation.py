@@ -9,6 +9,7 @@ from scipy.stats import skew
 
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import impedance_anywhere
+from solver.coupled.preparation import prepare
 from solver.frequency import gaussian, harmonics, rotation
 from solver.frequency.case import case_of
 from solver.frequency.outputs import frame_forces
@@ -17,6 +18,7 @@ from solver.frequency.rotation import mean_shift, resonant, slow_motions
 from solver.frequency.run import NO_BALANCE
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
+from solver.record.response import in_waves
 from solver.run import simulate
 from solver.scene import Float
 from solver.sea.realization import components, realize, regular
@@ -63,6 +65,45 @@ def test_mean_angles_grow_with_the_waves_height_squared():
         lines = linear(replace(item, sea=replace(item.sea, amplitude=height * item.sea.amplitude)), method="frequency")
         angles.append(mean_shift(case_of(lines, h), respond(lines, h))[0])
     assert angles[1] == approx(4 * angles[0], rel=1e-6)
+
+
+def test_a_float_on_a_clamped_node_loads_the_ground_as_on_springs():
+    """To first order, in the mean of second order, and by exact angles; and in what elements are judged by."""
+    item, h = SCENES["unequal_legs"]()
+    item, frame, node = linear(item, method="frequency", outputs=("reactions",)), item.platform.frame, "hinge:float"
+    clamped, held = (
+        replace(item, platform=replace(item.platform, frame=replace(frame, **feet)))
+        for feet in ({"clamped": (*frame.clamped, node)}, {"foundation": {node: (1e12,) * 6}})
+    )
+    lines, exact = (simulate(each, h) for each in (clamped, held))
+    for name in ("base_shear", "overturning_moment"):
+        ours, theirs = (record.variables[name][1] for record in (lines, exact))
+        assert ours == approx(theirs, abs=1e-5 * theirs[..., 4].max()), name
+    assert lines.attrs["rotation_effect"] == approx(exact.attrs["rotation_effect"], rel=5e-3)
+    usual, waves = respond(clamped, h).carried, item.sea.omega.size
+    judged = in_waves(prepare(clamped, h), h).carried
+    assert judged == approx(usual[:waves], abs=1e-9 * np.abs(usual).max())
+
+
+def test_loads_on_a_frame_are_what_its_modes_need():
+    """Lines to what rounds of the drag leave, and the mean."""
+    item, h = SCENES["unequal_legs"]()
+    case = case_of(linear(item, method="frequency"), h)
+    frame, found = case.system.structure, rotation.turned(case, respond_in(case, case.law(item.floats)))
+    nm = frame.omega.size
+    needed = case.model.of_modes(found.omega) * found.X[:, :nm] - case.modal.T - found.drag.modes
+    assert found.carried @ frame.carrier == approx(needed, abs=1e-5 * np.abs(needed).max())
+    held = frame.omega**2 * found.mean.x[:nm]
+    assert found.mean.carried @ frame.carrier == approx(held, abs=1e-9 * np.abs(held).max())
+
+
+def test_a_load_that_speeds_a_float_up_freely_is_on_no_carrier():
+    item, h = SCENES["unequal_legs"]()
+    case = case_of(linear(item, method="frequency"), h)
+    load = (case.model.floats[2] @ case.model.shape[:, -1])[None]
+    none, still = np.zeros((1, len(case.model.mass))), harmonics._Waves(*[None] * 6, against=case.model.floats[:1])
+    assert np.abs(load[0, :-1]).max() > 1.0
+    assert harmonics._carried(case, still, load, none, none) == approx(0.0, abs=1e-9 * np.abs(load).max())
 
 
 def swinging(name, angle, waves):
