@@ -113,7 +113,7 @@ def known_alone(panels=108):
 def test_a_fixed_body_has_no_joint_and_no_augmented_path():
     with pytest.raises(InputError, match="a fixed body has no axis"):
         replace(FIXED, pto_damping=1e3)
-    with pytest.raises(InputError, match='motion = .*: a fixed body needs formulation = "minimal", surface = "quad'):
+    with pytest.raises(InputError, match=r'motion = .*: a fixed body needs formulation = "minimal", surface = "q'):
         scene(FIXED, BALL_AT, formulation="augmented", surface="panels")
 
 

@@ -18,7 +18,7 @@ PROBE, PROBES = 400, 5  # panels of a system, and how often it is factorized, to
 
 
 def seconds(problem: Problem) -> float:
-    """Processor time [s] to solve a problem, to a factor of 3: Green function and factorizations, without damping lids."""
+    """Processor time [s] to solve a problem, to a factor of 3: Green function and factorizations, no damping lids."""
     return sum(_together(alone) for alone in problem.apart.values()) if problem.flow else 0.0
 
 
