@@ -447,3 +447,6 @@ def test_where_the_limit_alone_is_negative_among_its_neighbours_the_finest_mesh_
     for coarse, limit in ((one, 0.01), (some, 0.01 - 0.05 / 3)):
         (impedance, *_), _ = bem.extrapolated([fine, coarse], (2, 1), (np.ones(1), np.zeros(1, int)))
         assert impedance[:, 0, 0].imag == pytest.approx([0.5 / 3, 0.1 / 3, limit, 0.1 / 3, 0.5 / 3])
+    fine, one = (x._replace(impedance=x.impedance + 0.5j) for x in (fine, one))  # nothing is negative then
+    (impedance, *_), _ = bem.extrapolated([fine, one], (2, 1), (np.ones(1), np.zeros(1, int)))
+    assert impedance[2, 0, 0].imag == pytest.approx(0.51 - 0.39 / 3)
