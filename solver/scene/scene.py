@@ -108,14 +108,12 @@ class Scene:
                     yield InputError(f"floats.{f.name}.{KEY}", f.hull.name, limit + adjoining)
 
     def _fixed_problems(self) -> Iterator[InputError]:
-        if self.settings.paths.formulation == "augmented":
+        if minimal := self.settings.minimal:
             for f in self.floats:
                 if not f.motion:
-                    limit = 'a fixed body needs formulation = "minimal", and accuracy = "standard"'
-                    yield InputError(f"floats.{f.name}.motion", "[]", limit)
+                    yield InputError(f"floats.{f.name}.motion", "[]", f"a fixed body needs {minimal}")
                 if f.lines:
-                    limit = 'catenaries need formulation = "minimal", and accuracy = "standard"'
-                    yield InputError(f"floats.{f.name}.lines", f"{len(f.lines)} lines", limit)
+                    yield InputError(f"floats.{f.name}.lines", f"{len(f.lines)} lines", f"catenaries need {minimal}")
         moving = {""} if self.platform else set()
         for f, standing in zip(self.floats, self.standing, strict=True):
             if f.motion or f.on in moving:
@@ -198,28 +196,27 @@ class Scene:
                 value = "given" if name == "end_stops" else value
                 if s.method == "frequency" and name in ("end_stops", "one_way", "latch_load", "declutch_load"):
                     yield InputError(f"floats.{f.name}.{name}", value, 'needs method = "time": it is not linear')
-                elif s.paths.formulation == "augmented" and name in jumping:
-                    yield InputError(f"floats.{f.name}.{name}", value, 'needs formulation = "minimal": it jumps')
+                elif s.minimal and name in jumping:
+                    yield InputError(f"floats.{f.name}.{name}", value, f"needs {s.minimal}: it jumps")
 
     def _load_problems(self) -> Iterator[InputError]:
         """Currents and loads that change with time, where nothing or no method takes them."""
         s, histories = self.settings, self.platform.load_histories if self.platform else ()
-        augmented = 'needs formulation = "minimal", and accuracy = "standard"'
         if self.current:
             if self.platform is None:
                 yield InputError("current", "given", "acts on the members of an elastic platform: needs one")
             if self.current.exponent and np.isinf(self.water.depth):
                 yield InputError("current.exponent", self.current.exponent, "needs water of finite depth, or a profile")
-            if s.paths.formulation == "augmented":
-                yield InputError("current", "given", augmented)
-        if self.platform and self.platform.wave_stretching != "none" and s.paths.formulation == "augmented":
-            yield InputError("platform.wave_stretching", self.platform.wave_stretching, augmented)
+            if s.minimal:
+                yield InputError("current", "given", f"needs {s.minimal}")
+        if self.platform and self.platform.wave_stretching != "none" and s.minimal:
+            yield InputError("platform.wave_stretching", self.platform.wave_stretching, f"needs {s.minimal}")
         for history in histories:
             key, end = f"platform.load_histories.{history.node}", s.discard + s.duration
             if s.method == "frequency":
                 yield InputError(key, "given", 'needs method = "time": it is no response to waves')
-            elif s.paths.formulation == "augmented":
-                yield InputError(key, "given", augmented)
+            elif s.minimal:
+                yield InputError(key, "given", f"needs {s.minimal}")
             elif history.time[0] > 0 or history.time[-1] < end * (1 - 1e-9):
                 span = f"{history.time[0]:g} to {history.time[-1]:g} s"
                 yield InputError(f"{key}.time", span, f"must last from 0 to {end:g} s, the end of the run")

@@ -208,6 +208,11 @@ class Settings:
         slow = self.memory == "convolution" or self.surface == "panels"
         return replace(self, formulation="augmented") if slow and self.formulation == "minimal" else self
 
+    @property
+    def minimal(self) -> str:
+        """What the minimal formulation takes, of that which is set otherwise; empty where it is in use."""
+        return ", ".join(f'{name} = "{usual}"' for name, usual in STANDARD.items() if getattr(self, name) != usual)
+
 
 MOST_PANELS = 4 * PANELS  # of any tolerance
 LEFT, LEFT_AT_EDGES = 2e-3, 1e-2  # of the motions, by PANELS: smooth hulls, and boxes 0.4 to 1 m deep, 4e-3 to 3e-2

@@ -164,8 +164,9 @@ def test_what_is_no_line_is_refused(change, told):
 def test_what_has_no_lines_is_refused():
     with pytest.raises(InputError, match="lines = 3 lines: must be left out: a fixed body"):
         floating(lines=UNLIKE, motion=())
-    with pytest.raises(InputError, match="catenaries need formulation"):
-        dry(floating(lines=UNLIKE, motion=LEVEL), accuracy="reference")
+    for name, value, usual in (("accuracy", "reference", "standard"), ("memory", "convolution", "state-space")):
+        with pytest.raises(InputError, match=f'lines = 3 lines: catenaries need {name} = "{usual}"$'):
+            dry(floating(lines=UNLIKE, motion=LEVEL), **{name: value})
     assert Water(depth=inf)  # in which anchors may be anywhere
 
 

@@ -159,11 +159,11 @@ def _coefficients(problem: Problem, omega: np.ndarray, refine: int, *, infinite:
     hulls, centres, dofs, seas = problem.meshed, problem.centres, problem.dofs, problem.seas
     where = hulls, centres, dofs, problem.base, refine, problem.depth
     build = partial(Mesh.build, *where, narrow=problem.meshing.narrow)
-    mesh = build(lids=True, gap_width=problem.gap_width)
+    mesh = build(lids=problem.lids, gap_width=problem.gap_width)
     n, sea = mesh.motions.shape[-1], seas[0]
     limit = np.zeros((0, 0))
     if infinite:  # no irregular frequency there, and no damping: φ = 0 on all still water
-        bare = build(lids=False)
+        bare = build(lids=())
         potentials = bare.solve(bare.motions, np.inf, problem.seabed(np.inf))
         limit = symmetric(sea.density * bare.forces(potentials, n).real)
     impedance = np.empty((len(omega), n, n), complex)

@@ -18,7 +18,7 @@ PROBE, PROBES = 400, 5  # panels of a system, and how often it is factorized, to
 
 
 def seconds(problem: Problem) -> float:
-    """Processor time [s] to solve a problem, to a factor of 3: Green function and factorizations, of hulls alone."""
+    """Processor time [s] to solve a problem, to a factor of 3: Green function and factorizations, no damping lids."""
     return sum(_together(alone) for alone in problem.apart.values()) if problem.flow else 0.0
 
 
@@ -41,8 +41,9 @@ def _together(problem: Problem) -> float:
         sum(Box.about(of, clear, k).count for of in points) if np.isfinite(problem.seabed(k)) else 0 for k in waves
     ]
     total, most = 0.0, _panels(problem)
+    lids = sum(len(meshes.lid(h, n)[1]) for h, n in zip(problem.meshed, problem.lids, strict=True))
     for n in problem.divisions:
-        part = most * (n / problem.divisions[0]) ** 2 / images
+        part = (most * (n / problem.divisions[0]) ** 2 + lids) / images
         pair = sum(FREE + NODE * m / len(points) if pays(m, part) else SEABED for m in nodes)
         total += pair * images * part**2 + len(waves) * images * FACTORED * part**3
     return total

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.edges import order
@@ -18,6 +19,8 @@ TWO_MESHES = 0.5  # of the h² error, that is left of it at least: measured on a
 IRREGULAR = 1.5  # times what even panels leave, that a dense mesh made coarser does: 1.4 to 3.2 in A of five hulls
 NARROWED = 0.5  # of what even panels leave at edges, that narrower ones do: 0.2 to 0.5 of boxes 0.5 to 3 m deep
 ONE_MESH = 0.6  # over √panels: error of one mesh, as measured on a box of 224 panels; finer and smoother ones have less
+# Where limits make damping negative: frequencies to either side, times what those take of it, and of the added mass.
+NEARBY, FAR_MORE, UNHEARD = 3, 3.0, 0.01
 # Parts thinner than panels are wide: times that error, where panels of the two faces are each other's images; where
 # they are not, of the coefficient, for each time that a panel is as wide as the part is thick. Measured on heave plates
 # of 1/20 to 1/150 of their radius, from the finest to the coarsest meshes.
@@ -45,26 +48,35 @@ def extrapolated(
 
     From three meshes: as h^NEXT, by how much the limits of the finer and of the coarser two differ, LEAST at least. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
-    at a frequency that goes with the mesh there is no such limit, and the finest mesh stands; with damping lids at
-    all frequencies, for what is lost there is felt at others. motions: lengths and bodies, as of `least_damping`;
-    share: of the step from the finer of two meshes to their limit, that is left.
+    at a frequency that goes with the mesh, or at an irregular one of the coarser, there is no such limit, and the
+    finest mesh stands; with damping lids at all frequencies, for what is lost there is felt at others. What is left is
+    then the step from it to the limit of two, elsewhere this `share` of it. motions: lengths and bodies, as of
+    `least_damping`.
     """
     *finest, lid, count = solutions[0]
     if len(solutions) == 1:
         return finest, [ONE_MESH / np.sqrt(count) * x for x in finest]
     best = _limits(solutions[:2], divisions[:2])
+    step = [b - f for b, f in zip(best, finest, strict=True)]
     if lid > 0:
-        return finest, [b - f for b, f in zip(best, finest, strict=True)]
+        return finest, step
     of_limit, of_finest = (least_damping(each[0], *motions) for each in (best, finest))
-    lost = (of_limit < -UNPASSIVE) & (of_limit < 2 * of_finest)
+    lost = (of_limit < 2 * np.minimum(of_finest, 0)) & ((of_limit < -UNPASSIVE) | _stands_out(of_finest - of_limit))
+    rest = [share * s for s in step]
     for k in (0, 2, 3):  # what has a frequency
-        best[k][lost] = finest[k][lost]
+        best[k][lost], rest[k][lost] = finest[k][lost], step[k][lost]
     if len(solutions) == 2:
-        return best, [share * (b - f) for b, f in zip(best, finest, strict=True)]
+        return best, rest
     left = (divisions[1] / divisions[0]) ** NEXT
     coarser = _limits(solutions[1:], divisions[1:])
     differ = (left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True))
     return best, [_at_least(LEAST / count, b, off) for b, off in zip(best, differ, strict=True)]
+
+
+def _stands_out(taken: np.ndarray) -> np.ndarray:
+    """Where limits take far more of the least damping (nw,) than at frequencies nearby, as irregular ones make them."""
+    nearby = np.median(sliding_window_view(np.pad(np.abs(taken), NEARBY, mode="edge"), 2 * NEARBY + 1), axis=1)
+    return np.asarray(taken > np.maximum(FAR_MORE * nearby, UNHEARD))
 
 
 def _at_least(share: float, x: np.ndarray, off: np.ndarray) -> np.ndarray:

@@ -1,8 +1,7 @@
 """Panels of the wetted surface at rest, and the boundary problem of one frequency on them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -51,29 +50,28 @@ class Mesh:
         refine: int,
         depth: float,
         *,
-        lids: bool,
+        lids: tuple[int, ...],
         gap_width: float = 0.0,
         narrow: bool = True,
     ) -> "Mesh":
-        """The meshes of `hulls` at `centres` (nb, 3) [m], lids on request; count of each, refine: see mesh.panels.
+        """The meshes of `hulls` at `centres` (nb, 3) [m]; count of each, refine: see mesh.panels; of lids: mesh.lid.
 
         Hulls that stand on the seabed, in `depth` [m], have no panels there. gap_width: of gaps with damping lids [m];
         narrow: see mesh.panels.
         """
         origin, mirrors = meshes.mirror_planes(hulls, centres)
-        # A lid half as fine does as well as one that matches the hull (measured on the hemisphere).
-        hull_panels: Callable[..., tuple[np.ndarray, np.ndarray]] = partial(meshes.panels, narrow=narrow)
-        makers = [(hull_panels, refine), (meshes.lid, max(1, refine // 2))][: 1 + lids]
         pieces, owners, hulled = [], [], []
         for b, (hull, at, count) in enumerate(zip(hulls, centres - origin, counts, strict=True)):
             share = meshes.quarters(at, len(mirrors))
-            for make, times in makers if share else ():
-                vertices, faces = make(hull, count, refine=times, quarters=share)
-                if make is hull_panels and stands(hull, depth):
-                    vertices, faces = walls(vertices, faces, depth)
+            if not share:
+                continue
+            wetted = meshes.panels(hull, count, refine=refine, quarters=share, narrow=narrow)
+            made = [walls(*wetted, depth) if stands(hull, depth) else wetted]
+            made += [meshes.lid(hull, lids[b], quarters=share)] if lids else []
+            for i, (vertices, faces) in enumerate(made):
                 pieces.append((vertices + at, faces))
                 owners.append(np.full(len(faces), b))
-                hulled.append(np.full(len(faces), make is hull_panels))
+                hulled.append(np.full(len(faces), i == 0))
         if gap_width > 0:
             side = min(np.sqrt(2 * h.wetted_area / count) for h, count in zip(hulls, counts, strict=True))
             lid = meshes.part_of(gaps(hulls, centres - origin, gap_width, side), 4 // len(mirrors))

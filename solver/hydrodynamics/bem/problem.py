@@ -23,6 +23,7 @@ from solver.sea.dispersion import SHALLOWEST, longest
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
 HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it, or coarser, and halved
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
+LIDDED = 4  # times a mesh's usual panels that its lid is as fine as
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
 
 
@@ -148,6 +149,20 @@ class Problem:
     def meshing(self) -> "Meshing":
         """Of the hulls."""
         return _meshing(self.hulls, self.centres, self.counts)
+
+    @cached_property
+    def lids(self) -> tuple[int, ...]:
+        """What to ask `lid` for, of each body, in all its meshes.
+
+        One as coarse as the coarsest does for hulls of revolution (measured on hemispheres and discs). Inside meshes,
+        which may be shallow or thin out towards the waterline, one coarser than this lets irregular frequencies
+        through, above all on the coarser mesh (measured on ducks). More panels need no finer one.
+        """
+        usual = _counts(self.hulls, min(self.panels, meshes.PANELS), self.seas[0].wavenumber(self.omega[-1]))
+        return tuple(
+            LIDDED * most if isinstance(hull, PanelHull) else count
+            for hull, most, count in zip(self.hulls, usual, self.base, strict=True)
+        )
 
     @property
     def divisions(self) -> tuple[int, ...]:

@@ -138,30 +138,30 @@ def plates(hull: Hull, count: int) -> Plates | None:
     return found if found.share > LEAST_PLATE else None
 
 
-def lid(hull: Hull, count: int, *, refine: int = 1, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
+def lid(hull: Hull, count: int, *, quarters: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Quadrilaterals on the waterplane inside the hull, as large as those of `panels`; normals point down."""
     if isinstance(hull, PanelHull):
-        return _lattice_lid(hull, count, refine, quarters)
-    return _disc_lid(hull, count, refine, quarters)
+        return _lattice_lid(hull, count, quarters)
+    return _disc_lid(hull, count, quarters)
 
 
-def _disc_lid(hull: Revolution, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
+def _disc_lid(hull: Revolution, count: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
     """Quadrilaterals in rings on the waterplane's disc."""
-    half = refine * _lattice(hull, count)[0]
+    half = _lattice(hull, count)[0]
     radius = hull.waterplane_radius
     arc, azimuth, faces = _quarter(np.linspace(radius / 2, radius, 1 + (half + 1) // 2), half)
     points = np.column_stack([arc * np.cos(azimuth), arc * np.sin(azimuth), 0 * arc])
     return _copied(points * _polygon_scale(half), faces, quarters)
 
 
-def _lattice_lid(hull: PanelHull, count: int, refine: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
+def _lattice_lid(hull: PanelHull, count: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
     """Rectangles of a lattice over the waterplane, those that lie inside it; between several outlines see `_fitted`.
 
     What is left free along the waterline is narrower than a panel: its eigenfrequencies are beyond
     those that the panels resolve.
     """
     low, high = hull.box
-    size = np.sqrt(2 * hull.wetted_area / count) / refine
+    size = np.sqrt(2 * hull.wetted_area / count)
     across = hull.waterplane_width / ACROSS_LID
     fitted = LEAST_CELL * size < across < np.inf
     if fitted:

@@ -95,7 +95,7 @@ def test_irregular_frequencies_are_removed_by_the_lid(monkeypatch):
 
     with_lid = roughness(run())
     build = bem.Mesh.build
-    monkeypatch.setattr(bem.Mesh, "build", lambda *args, lids, **_: build(*args, lids=False))
+    monkeypatch.setattr(bem.Mesh, "build", lambda *args, lids, **_: build(*args, lids=()))
     assert with_lid < 2e-3
     assert roughness(run()) > 5 * with_lid
 
@@ -432,5 +432,21 @@ def test_where_no_limit_is_passive_the_finest_mesh_stands():
     """Water that resonates at a frequency of each mesh's own: the limit of 1 and 10 is -2, that of 1 and 1.3 is 0.9."""
     fine = bem.Solution(np.full((3, 1, 1), 2 + 1j), np.eye(1), np.ones((3, 1, 1)), np.ones((3, 0, 0)), 0.0, 400)
     coarse = fine._replace(impedance=2 + 1j * np.array([1.3, 10.0, 1.3])[:, None, None], panels=100)
-    (impedance, *_), _ = bem.extrapolated([fine, coarse], (2, 1), (np.ones(1), np.zeros(1, int)))
+    (impedance, *_), (error, *_) = bem.extrapolated([fine, coarse], (2, 1), (np.ones(1), np.zeros(1, int)))
     assert impedance[:, 0, 0] == pytest.approx([2 + 0.9j, 2 + 1j, 2 + 0.9j])
+    assert error[:, 0, 0] == pytest.approx([-0.05j, -3j, -0.05j])  # of the finest mesh, all that the two tell
+
+
+def test_where_the_limit_alone_is_negative_among_its_neighbours_the_finest_mesh_stands():
+    """As an irregular frequency of the coarser mesh makes it; negative ones side by side are of the panels."""
+    damping = np.array([[0.2, 0.05, 0.01, 0.05, 0.2], [0.3, 0.1, 0.4, 0.1, 0.3], [0.3, 0.1, 0.06, 0.1, 0.3]])
+    fine, one, some = (
+        bem.Solution(1 + 1j * b[:, None, None], np.eye(1), np.ones((5, 1, 1)), np.ones((5, 0, 0)), 0.0, 400)
+        for b in damping
+    )
+    for coarse, limit in ((one, 0.01), (some, 0.01 - 0.05 / 3)):
+        (impedance, *_), _ = bem.extrapolated([fine, coarse], (2, 1), (np.ones(1), np.zeros(1, int)))
+        assert impedance[:, 0, 0].imag == pytest.approx([0.5 / 3, 0.1 / 3, limit, 0.1 / 3, 0.5 / 3])
+    fine, one = (x._replace(impedance=x.impedance + 0.5j) for x in (fine, one))  # nothing is negative then
+    (impedance, *_), _ = bem.extrapolated([fine, one], (2, 1), (np.ones(1), np.zeros(1, int)))
+    assert impedance[2, 0, 0].imag == pytest.approx(0.51 - 0.39 / 3)

@@ -13,6 +13,7 @@ from solver.hydrodynamics.bem import problem as bem_problem
 from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.run import simulate
@@ -62,9 +63,18 @@ def test_the_lid_removes_irregular_frequencies(monkeypatch):
 
     with_lid = roughness(run())
     build = bem.Mesh.build
-    monkeypatch.setattr(bem.Mesh, "build", lambda *args, lids, **_: build(*args, lids=False))
+    monkeypatch.setattr(bem.Mesh, "build", lambda *args, lids, **_: build(*args, lids=()))
     assert with_lid < 2e-3  # as for hulls of revolution
     assert roughness(run()) > 5 * with_lid
+
+
+def test_no_irregular_frequency_is_left_in_a_duck_on_either_mesh():
+    """Where it thins out at the waterline; a lid four times as coarse made seven times the damping at 4.35 rad/s."""
+    omega = np.array([4.2, 4.35, 4.5])
+    hull = duck(radius=2.0, beak=4.5, elevation=0.4, submergence=0.8, width=6.0)
+    for of_mesh in bem.part(bem.Problem.of((hull,), np.zeros((1, 3)), depth=np.inf, omega=omega))[0]:
+        damping = of_mesh.impedance[:, 1, 1].imag
+        assert damping.min() > 0 and np.abs(np.diff(damping, 2)).max() < 0.05 * damping.max()
 
 
 @pytest.mark.parametrize("images", [1, 2])
@@ -87,11 +97,11 @@ def test_a_turned_mesh_meets_turned_waves():
     T = np.kron(np.eye(2), R)
     for name in ("diffraction", "froude_krylov"):
         x, y = getattr(a, name) @ T.T, getattr(b, name)
-        # The lattice of the lid stays along x and y, which the hull does not: measured 2e-4.
-        assert np.abs(x - y).max() < 5e-4 * np.abs(y).max()
+        # The lattice of the lid stays along x and y, which the hull does not: measured 1.3e-3; panels leave 4e-2.
+        assert np.abs(x - y).max() < 2e-3 * np.abs(y).max()
     for name in ("added_mass", "hydrostatic_stiffness"):
         x, y = T @ getattr(a, name) @ T.T, getattr(b, name)
-        assert np.abs(x - y).max() < 5e-4 * np.abs(y).max()
+        assert np.abs(x - y).max() < 2e-3 * np.abs(y).max()
 
 
 def test_barge_hydrostatics_in_closed_form():
@@ -210,7 +220,7 @@ class Broken:
 def test_panels_whose_influence_is_not_finite_are_named(monkeypatch):
     """But on the edge of a panel, in its plane, dipoles do nothing. Of two bodies, the second's panel."""
     hulls, centres = (BARGE, SPHERE), np.array([[-3.0, 0, 0], [3, 1, 0]])
-    mesh = bem.Mesh.build(hulls, centres, bem.DOFS, (108, 108), 1, np.inf, lids=False)
+    mesh = bem.Mesh.build(hulls, centres, bem.DOFS, (108, 108), 1, np.inf, lids=())
     bottom, ball = np.flatnonzero(np.isclose(mesh.part.faces_normals[:, 2], -1.0))[:2], mesh.part.nb_faces - 1
     exact = mesh.forces(mesh.solve(mesh.motions, 1.0, np.inf), 12)
     for at, of, part in ((0, ball, 1), (bottom[0], ball, 0)):

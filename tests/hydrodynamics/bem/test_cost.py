@@ -58,8 +58,8 @@ def test_foreseen_are_the_pairs_of_panels_that_are_solved(name, monkeypatch):
     monkeypatch.setattr(cost, "FACTORED", 0.0)
     monkeypatch.setattr(cost, "NODE", 0.0)
     bem.part(problem)
-    # Lids are left out, a tenth of the panels or two; meshes have about as many as are asked for.
-    assert counted.seconds / cost.seconds(problem) == approx(1.2, abs=0.4)
+    # One solution of these four has no lids; meshes have about as many panels as are asked for.
+    assert counted.seconds / cost.seconds(problem) == approx(0.9, abs=0.2)
 
 
 def test_dense_meshes_cost_what_their_coarser_ones_do():

@@ -88,7 +88,7 @@ def solved(hulls, places, width, epsilon, omega, *, refine=2, panels=200, densit
         far_field=True, gap_damping=epsilon, gap_width=width, headings=(HEADING,),
     )  # fmt: skip
     build = bem.Mesh.build
-    mesh = build(hulls, problem.centres, problem.dofs, problem.counts, refine, inf, lids=True, gap_width=width)
+    mesh = build(hulls, problem.centres, problem.dofs, problem.counts, refine, inf, lids=problem.lids, gap_width=width)
     k, loss = omega**2 / G, epsilon * omega**2 / G
     sources = np.concatenate([mesh.motions, mesh.scattered(problem.seas, omega, loss)], axis=2)
     potentials = mesh.solve(sources, k, inf, loss)

@@ -133,7 +133,7 @@ def test_coefficients_are_those_of_all_pairs_of_panels(name, monkeypatch):
 
 def test_it_is_left_to_capytaine_close_above_the_seabed():
     problem = bem.Problem.of((BALL,), np.zeros((1, 3)), depth=3.0)
-    built = mesh.Mesh.build(problem.meshed, problem.centres, problem.dofs, problem.base, 3, 3.0, lids=True)
+    built = mesh.Mesh.build(problem.meshed, problem.centres, problem.dofs, problem.base, 3, 3.0, lids=problem.lids)
     assert seabed.added(built.whole, built.bodies, built.part, 3.0, 0.1) is None
     assert seabed.added(built.whole, built.bodies, built.part, 30.0, 0.1) is not None
 
