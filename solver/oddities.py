@@ -409,7 +409,7 @@ def stopped(floats: Sequence[Float], friction: np.ndarray, load: np.ndarray) -> 
 def _too_short(scene: Scene) -> Iterator[str]:
     """A sentence for a record of a sea of several waves that has few of their mean periods."""
     length, mean = scene.settings.duration, scene.sea.parameters()["Tz"]
-    if not scene.sea.known and length < FEW * mean:  # no mean period in still water
+    if scene.sea.omega.size > 1 and length < FEW * mean:  # no mean period in still water
         yield (
             f"record.duration: {length:g} s are {length / mean:.2g} mean periods of the waves, {mean:.3g} s, and less"
             f" than {FEW:g} tell little of a sea: is it in other units?"

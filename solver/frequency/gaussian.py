@@ -54,8 +54,9 @@ class Process:
         omega, of_waves = self.omega[:waves], X[:waves]
         size = spread(of_waves)
         of_waves = of_waves * np.divide(spread(X), size, out=np.ones(size.shape), where=size > 0)
-        step = 2 * np.pi / (OFTEN * omega.max())
-        turn, count = np.exp(-1j * np.outer(step * np.arange(BLOCK), omega)), max(1, int(self.duration / step))
+        count = int(np.ceil(OFTEN * omega.max() * self.duration / (2 * np.pi)))
+        step = self.duration / count
+        turn = np.exp(-1j * np.outer(step * np.arange(BLOCK), omega))
         for first in range(0, count, BLOCK):
             Y, rows = np.exp(-1j * omega * (self.begin + step * first))[:, None] * of_waves, turn[: count - first]
             yield rows.real @ Y.real - rows.imag @ Y.imag

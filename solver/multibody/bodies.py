@@ -58,9 +58,8 @@ class Motion(NamedTuple):
     jacobian: np.ndarray  # (nb, 6, n)
     velocity: np.ndarray  # (nb, 6)
     bias: np.ndarray  # (nb, 6)
-    acceleration: np.ndarray  # (nb, 6)
+    acceleration: np.ndarray  # (2nb, 6), then along the bodies' axes, if what radiates turns: one array more is slower
     active_velocity: np.ndarray  # (nb nr,) along the axes of radiation
-    active_acceleration: np.ndarray  # (nb nr,) its rate
     scratch: np.ndarray  # (8, 6)
 
 
@@ -112,8 +111,7 @@ def new_motion(bodies: Bodies) -> Motion:
         np.zeros((nb, 6, n)),
         np.zeros((nb, 6)),
         np.zeros((nb, 6)),
-        np.zeros((nb, 6)),
-        np.zeros(nb * bodies.active.size),
+        np.zeros((2 * nb, 6)),
         np.zeros(nb * bodies.active.size),
         np.zeros((8, 6)),
     )

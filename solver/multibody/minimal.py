@@ -231,24 +231,23 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
                 a += motion.jacobian[b, r, i] * at.ddz[bodies.coordinate[b, i]]
             motion.acceleration[b, r] = a
         if bodies.turning:
-            _turn_acceleration(bodies, b, motion)
-        else:
-            for r in range(nr):
-                motion.active_acceleration[b * nr + r] = motion.acceleration[b, bodies.active[r]]
+            _turn_acceleration(b, motion, motion.acceleration[nb + b])
     out.residual[:] = 0.0
     for b in range(nb):
         W = out.wrench[b]
         _wave_wrench(bodies, b, motion, water, W)
         for r in range(6):
             out.external[b, r] = W[r]
-        radiated = motion.scratch[0] if bodies.turning else W
+        radiated, first = W, 0
         if bodies.turning:
+            radiated, first = motion.scratch[0], nb
             radiated[:] = 0.0
         for r in range(nr):
             i = b * nr + r
             total = water.memory[i]
-            for j in range(nb * nr):
-                total += bodies.added_mass[i, j] * motion.active_acceleration[j]
+            for j in range(nb):
+                for s in range(nr):
+                    total += bodies.added_mass[i, j * nr + s] * motion.acceleration[first + j, bodies.active[s]]
             radiated[bodies.active[r]] -= total
         if bodies.turning:
             _turn_impulse(bodies, b, motion, radiated)
@@ -264,14 +263,12 @@ def loads(bodies: Bodies, at: Coordinates, motion: Motion, water: WaterLoads, ou
 
 
 @inner_kernel
-def _turn_acceleration(bodies: Bodies, b: int, motion: Motion) -> None:
-    """Fill active_acceleration of a body along its axes: Rᵀ(a - ω × v) and Rᵀω̇."""
-    nr, a, v, turned = bodies.active.size, motion.acceleration[b], motion.velocity[b], motion.scratch[0]
+def _turn_acceleration(b: int, motion: Motion, out: np.ndarray) -> None:
+    """out (6,) <- V̇ along a body's axes: Rᵀ(a - ω × v) and Rᵀω̇."""
+    a, v = motion.acceleration[b], motion.velocity[b]
     x, y, z = cross(v[3], v[4], v[5], v[0], v[1], v[2])
-    turned[0], turned[1], turned[2] = into(motion.rotation[b], a[0] - x, a[1] - y, a[2] - z)
-    turned[3], turned[4], turned[5] = into(motion.rotation[b], a[3], a[4], a[5])
-    for r in range(nr):
-        motion.active_acceleration[b * nr + r] = turned[bodies.active[r]]
+    out[0], out[1], out[2] = into(motion.rotation[b], a[0] - x, a[1] - y, a[2] - z)
+    out[3], out[4], out[5] = into(motion.rotation[b], a[3], a[4], a[5])
 
 
 @inner_kernel
