@@ -134,7 +134,8 @@ def test_what_friction_beside_a_spring_and_a_damper_bears():
 def test_a_bent_law_in_waves_of_known_phases():
     """Friction in three waves that meet: as a march has it, whose force jumps where the rate turns."""
     scene, h = awkward.SCENES["oblique"]()
-    group = components(amplitude=[0.03, 0.04, 0.03], omega=[1.0, 1.1, 1.2], phase=[90.0, 99.0, 108.0], heading=np.pi / 6)
+    waves = {"amplitude": [0.03, 0.04, 0.03], "omega": [1.0, 1.1, 1.2], "phase": [90.0, 99.0, 108.0]}
+    group = components(**waves, heading=scene.sea.heading)
     floats = tuple(replace(f, coulomb=8e2, pto_damping=4e4) for f in scene.floats)
     settings = replace(
         scene.settings, froude_krylov="linear", duration=20 * np.pi, discard=60.0, outputs=("pto_force", "pto_stroke")
@@ -143,6 +144,5 @@ def test_a_bent_law_in_waves_of_known_phases():
     march, told = simulate(scene, h), simulate(replace(scene, settings=replace(settings, method="frequency")), h)
     for name, within in (("pto_force", 0.03), ("absorbed_power", 0.05), ("pto_travel", 0.03)):
         exact, ours = (r.variables[name][1] for r in (march, told))
-        size = np.nanmax(np.abs(exact))
-        assert ours[..., 2:] == approx(exact[..., 2:], abs=within * size, nan_ok=True)
-        assert ours == approx(exact, abs=0.15 * size, nan_ok=True)  # where they meet friction damps less than at large
+        exact, ours = (x[..., 2:] if name.startswith(("pto_force", "absorbed")) else x for x in (exact, ours))
+        assert ours == approx(exact, abs=within * np.nanmax(np.abs(exact)), nan_ok=True)

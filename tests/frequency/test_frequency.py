@@ -435,9 +435,9 @@ def test_spectra_of_a_linear_march_are_those_of_the_lines():
         assert H[0][..., some] == approx(H[1][..., some], abs=0.05 * np.nanmax(np.abs(H[1])))
         S = [v[f"{key}_spectrum"][1][..., some] for v in (march, lines)]
         assert S[0].sum() == approx(S[1].sum(), rel=0.05)
-        # Where the response changes within a band neither of them is one.
+        # Where the response changes within a band, as it does where it nearly vanishes, neither of them is one.
         coherence = [v[f"{key}_coherence"][1][..., some] for v in (march, lines)]
-        assert coherence[0] == approx(coherence[1], abs=0.02, nan_ok=True)
+        assert coherence[0] == approx(coherence[1], abs=0.03, nan_ok=True)
     assert march["rotation_coherence"][1][..., some][..., :10].min() > 0.99
     assert lines["rotation_response"][0] == ("float", "frequency_band")
 
