@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import maximum_filter1d
 
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.edges import order
@@ -14,6 +15,7 @@ from solver.hydrodynamics.hull.plates import Plates
 from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
 
 NEXT = 3  # power of h that is left without the h² error: of edges, and of spheres, which have one in the waterplane
+MOST = 3.0  # times the step from the finest mesh to its limit, that limits differ by where waves are resolved
 LEAST = 0.25  # over the panels: of a coefficient, that three meshes may leave where their limits happen to agree
 TWO_MESHES = 0.5  # of the h² error, that is left of it at least: measured on a sphere of 216 and 864 triangles
 IRREGULAR = 1.5  # times what even panels leave, that a dense mesh made coarser does: 1.4 to 3.2 in A of five hulls
@@ -46,7 +48,8 @@ def extrapolated(
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Limits of zero panel size, error ~ h² ~ 1/divisions², and what is left of the error, with its sign.
 
-    From three meshes: as h^NEXT, by how much the limits of the finer and of the coarser two differ, LEAST at least. One
+    From three meshes: as h^NEXT, by how much the limits of the finer and of the coarser two differ, LEAST at least and
+    MOST times a step nearby from the finest to its limit at most: the coarsest may not resolve the fastest waves. One
     solution counts as its limit, and how far off follows from its panels alone. Where water between bodies resonates
     at a frequency that goes with the mesh, or at an irregular one of the coarser, there is no such limit, and the
     finest mesh stands; with damping lids at all frequencies, for what is lost there is felt at others. What is left is
@@ -69,8 +72,18 @@ def extrapolated(
         return best, rest
     left = (divisions[1] / divisions[0]) ** NEXT
     coarser = _limits(solutions[1:], divisions[1:])
-    differ = (left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True))
+    differ = [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
+    for k in (0, 2, 3):
+        differ[k] = _at_most(MOST, step[k], differ[k])
     return best, [_at_least(LEAST / count, b, off) for b, off in zip(best, differ, strict=True)]
+
+
+def _at_most(times: float, step: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """`off` (nw, …), but no more than some times the largest step nearby; real and imaginary parts by themselves."""
+    if np.iscomplexobj(off):
+        return _at_most(times, step.real, off.real) + 1j * _at_most(times, step.imag, off.imag)
+    most = times * maximum_filter1d(np.abs(step), 2 * NEARBY + 1, axis=0, mode="nearest") if off.size else off
+    return np.clip(off, -most, most)
 
 
 def _stands_out(taken: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.errors import InputError
-from solver.hydrodynamics.bem import bem
+from solver.hydrodynamics.bem import bem, extrapolation
 from solver.hydrodynamics.bem import mesh as bem_mesh
 from solver.hydrodynamics.bem import problem as bem_problem
 from solver.hydrodynamics.bem.green import green_function, joined
@@ -303,3 +303,28 @@ def test_more_panels_than_usual_are_had_where_they_are_asked_for(name):
     usual = 9 * meshes.halved_count(hull, meshes.PANELS // 9)
     assert had(meshes.PANELS) == usual  # as many as there are by default, whatever that is
     assert had(300) == 9 * meshes.halved_count(hull, 300 // 9)
+
+
+def test_a_coarsest_mesh_that_does_not_resolve_a_wave_tells_no_more_than_the_finer_ones():
+    """A thin disk's rang at Ka = 9: of its heave 618 % were told, where 14 % are true."""
+    h, exact = 1 / np.array([3.0, 2.0, 1.0]), np.linspace(1.0, 2.0, 12)
+
+    def of(size, rings):
+        value = exact * (1 + 0.1 * size**2 + 0.02 * size**3)
+        value[-1] += 10.0 * rings
+        return extrapolation.Solution(
+            value[:, None, None] + 0j, np.ones((1, 1)), value[:, None, None] + 0j, np.zeros((12, 0, 0)), 0.0, 400
+        )
+
+    motions = np.ones(1), np.zeros(1, int)
+    quiet, ringing = (
+        extrapolation.extrapolated(
+            [of(size, rings) for size, rings in zip(h, of_each, strict=True)], (3, 2, 1), motions
+        )
+        for of_each in ((0, 0, 0), (0, 0, 1))
+    )
+    assert np.array_equal(quiet[0][0], ringing[0][0])
+    assert ringing[1][0][:-1] == approx(quiet[1][0][:-1])
+    step = np.abs(quiet[0][0] - of(h[0], 0).impedance)[:, 0, 0]
+    assert abs(ringing[1][0][-1, 0, 0]) == approx(3 * step.max())
+    assert np.all(np.abs(quiet[1][0][:, 0, 0]) < step)
