@@ -190,11 +190,12 @@ def _pierced(scene: Scene, platform: Platform) -> Iterator[str]:
 def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
     """A sentence for each axis on which a float rests, at joints (nj,), elsewhere than its coefficients are of."""
     names = [(f.name, axis) for f in scene.floats for axis in f.motion]
+    solved = "diffraction, radiation" if scene.settings.hydrodynamic_axes == "space" else "diffraction"
     for (name, axis), at in zip(names, joints, strict=True):
         if axis not in DOFS[:3] and abs(at) > TURNED:
             yield (
-                f"floats.{name} rests at {at:+.2f} rad of {axis} from where it is given, which diffraction, radiation"
-                " and linear buoyancy are of"
+                f"floats.{name} rests at {at:+.2f} rad of {axis} from where it is given, which {solved} and linear"
+                " buoyancy are of"
             )
 
 
@@ -348,6 +349,18 @@ def drag_driven(factor: float) -> Iterator[str]:
         yield (
             "platform: drag, which goes by the velocity's square, drives the legs: expect largest displacements and"
             f" stresses up to {factor:.2g} times those of the linear responses that max and min are of"
+        )
+
+
+def ringing(scene: Scene, bends: np.ndarray) -> Iterator[str]:
+    """A sentence where laws of joints that bend, of some axes (nj,), load an elastic platform in a linear model."""
+    axes = [f"floats.{f.name}" for f in scene.floats for _ in f.motion]
+    names = dict.fromkeys(name for name, bent in zip(axes, bends, strict=True) if bent)
+    if scene.platform is not None and names:
+        yield (
+            f"{', '.join(names)}: loads that jump or are cut off ring an elastic platform above the waves' frequencies,"
+            " which a linear model does not have: its stresses are too low, and damage more so, with no part of the"
+            " estimated error; a run in time has them"
         )
 
 

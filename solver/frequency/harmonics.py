@@ -40,6 +40,7 @@ STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
 ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
 GROWS = 3.0  # times the last change, which no more rounds make agree
 LAGS, HALFWAY = 0.6, 0.5  # of the last change, from which rounds go to and fro, and how far they go from then on
+ROUNDING = 1e-10  # of the linear motions
 AGREED = 0.05  # last change of the harmonics, of what turning changes of them
 
 
@@ -137,12 +138,12 @@ def turning_effect(
         found = linear.copy()
         found[0] += case.shift(more[0].real)
         found[1:] += (mobility @ more[1:, :, None])[..., 0]
-        change, whole = (np.abs(x * length).max() for x in (found - X, found - linear))
-        if not change < GROWS * last:
+        change, whole, size = (np.abs(x * length).max() for x in (found - X, found - linear, linear))
+        if not (change < GROWS * last or change <= ROUNDING * size):
             break
         if change > LAGS * last:
             share = HALFWAY
-        if change <= AGREED * whole:
+        if change <= max(AGREED * whole, ROUNDING * size):  # of one hinge along its body's axes nothing else is left
             # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
             wrench = case.model.loads(omega, found - X, waves.Y, wrench)
             borne = response.wrench, lattice.first(standing.lines(response.wrench)), wrench

@@ -24,7 +24,7 @@ from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
-from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, skewed, stopped
+from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, ringing, skewed, stopped
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -93,6 +93,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *of_motions(scene, channels.axes, tables),
         *beyond,
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
+        *ringing(scene, response.bends & ~response.stuck),
         *drag_driven(of_drag.extremes),
         *skewed(turning.extremes),
         *([NO_BALANCE] if turning.error == UNTOLD else []),

@@ -43,6 +43,8 @@ def test_a_linear_flap_is_linear_however_far_it_turns():
         told, exact = (of.variables[name][1][0] for of in (march, linear))
         assert told == approx(exact, rel=3e-3, abs=3e-3 * exact.max())
     assert linear.variables["rotation"][1][0, 0] > 0.7
+    turned, usual = (of.variables["hinge_force"][1][0, :, 4] for of in (march, linear))
+    assert linear.attrs["rotation_effect"] == approx(turned[2] / usual[2] - 1, rel=0.1)  # all else is rounding
     still = replace(scene, settings=replace(scene.settings, hydrodynamic_axes="space"))
     other = simulate(still, h).variables["absorbed_power"][1][0, 2]
     assert abs(other / linear.variables["absorbed_power"][1][0, 2] - 1) > 0.1

@@ -147,3 +147,15 @@ def test_a_bent_law_in_waves_of_known_phases():
         size, kept = np.nanmax(np.abs(exact)), {"pto_force": [2, 3, 4], "absorbed_power": [2]}.get(name)
         exact, ours = (x[..., kept] if kept else x for x in (exact, ours))
         assert ours == approx(exact, abs=within * size, nan_ok=True)
+
+
+def test_laws_that_bend_on_legs_that_ring_are_told():
+    """Friction's jumps drive the legs' modes above the waves: of their stresses a linear model has a part alone."""
+    scene, h = awkward.SCENES["unequal_legs"]()
+    told = []
+    for more in ({}, {"coulomb": 2e3}):
+        floats = tuple(replace(f, **more) for f in scene.floats)
+        settings = replace(scene.settings, method="frequency", froude_krylov="linear")
+        record = simulate(replace(scene, floats=floats, settings=settings), h)
+        told.append("floats.float: loads that jump or are cut off ring" in record.attrs.get("warnings", ""))
+    assert told == [False, True]
