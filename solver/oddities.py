@@ -30,7 +30,7 @@ FAR = 10.0  # hulls' sizes, from their reference point: no centre of gravity is 
 TONNES = 0.3, 25.0  # [t/m3] that frames are of, timber to heavy metal; some are of nothing, or next to it
 FEW = 10.0  # mean periods: from one record of so many to the next the std of a random sea scatters by a fifth
 RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
-STEEPEST = (8.0, 15.0), (1 / 15, 1 / 25)  # 2π Hs/(g Tp²) that seas have by Tp [s], DNV-RP-C205, 3.5.4
+STEEPEST = (8.0, 15.0), (1 / 15, 1 / 25)  # 2π Hs/(g Tp²) that seas have by Tp [s], DNV-RP-C205
 
 
 def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
@@ -436,7 +436,7 @@ def _too_steep(scene: Scene) -> Iterator[str]:
     if scene.sea.omega.size > 1 and steepness > steepest:
         yield (
             f"sea: waves of Hs = {height:.3g} m and Tp = {peak:.3g} s have a steepness 2π Hs/(g Tp²) of"
-            f" {steepness:.3g}, above {steepest:.3g}, the limit of natural seas (DNV-RP-C205, 3.5.4): a model test may"
+            f" {steepness:.3g}, above {steepest:.3g}, the limit of natural seas (DNV-RP-C205): a model test may"
             " be so steep, no open sea is"
         )
 

@@ -45,10 +45,9 @@ from solver.statistics import STATISTICS
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
 ROUNDING = 1e-12  # of the largest variance
-CURVED, LARGEST = (
-    48,
-    96,
-)  # coordinates of floats, for all differences and for resonances alone: curvatures take the cube
+# Coordinates of floats, for all differences of frequencies and for resonances alone: the memory that curvatures of more
+# take goes with their cube.
+CURVED, LARGEST = 48, 96
 MANY, BINS = 40, 12  # waves that stand for all of a sea, and frequencies for their differences
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
 
