@@ -82,13 +82,11 @@ def _cycles(m0: float, m2: float, duration: float) -> float:
 def table(mean: np.ndarray, X: np.ndarray, of: Process) -> np.ndarray:
     """(…, 5) in the order of STATISTICS for means (…) and lines (nl, …)."""
     flat, level = np.ascontiguousarray(X, complex).reshape(len(X), -1), np.broadcast_to(mean, X.shape[1:]).ravel()
-    out, summed = np.empty((flat.shape[1], 5)), np.zeros(flat.shape[1], bool)
+    out = np.empty((flat.shape[1], 5))
+    _tabulate(level, flat, of.omega**2, of.duration, out)
     if of.begin is not None and len(X) > 1:
         summed = ~of.unwaved(flat)
         out[summed] = tabulated(level[summed] + block for block in of.blocks(flat[:, summed]))
-    random = np.empty((np.sum(~summed), 5))
-    _tabulate(level[~summed], flat[:, ~summed], of.omega**2, of.duration, random)
-    out[~summed] = random
     return out.reshape(*X.shape[1:], 5)
 
 
