@@ -23,7 +23,7 @@ from solver.sea.dispersion import SHALLOWEST, longest
 DIVISIONS = 3, 2, 1  # of one base mesh: a family, so that its h² error can be extrapolated away, and the rest be judged
 HALVED = 2, 1  # the same where a hull is a mesh, which is as its author made it, or coarser, and halved
 FINER = 6.0  # times the panels that a body gets, at most, where waves of the scene are shorter than that
-LIDDED = 2  # times the coarser mesh's usual panels that a lid is as fine as: four cost twice as much and show no more
+LIDDED = 4  # times a mesh's usual panels that its lid is as fine as
 AFFORDABLE = 3e6  # panels squared over mirror images of a halved mesh, 3 s a frequency; larger ones are solved unhalved
 
 

@@ -84,7 +84,7 @@ def test_symmetry_planes_change_nothing(monkeypatch, images):
     both, planes = run(), meshes.mirror_planes
     assert len(planes((hull,), np.array([[0.4, -2, 0]]))[1]) == 4
     monkeypatch.setattr(meshes, "mirror_planes", lambda *args: (planes(*args)[0], planes(*args)[1][:images]))
-    assert share(run(), both) < 2e-6  # the same panels of the hull in another order, and lids of other lattices
+    assert share(run(), both) < 1e-7  # the same panels in another order: rounding only
 
 
 def test_a_turned_mesh_meets_turned_waves():
