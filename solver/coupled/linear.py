@@ -164,11 +164,9 @@ def _linear_model(scene: Resting, sizes: tuple[float, ...]) -> LinearModel:
 
 def _along(body: Bodies, z: np.ndarray) -> np.ndarray:
     """(6nb, na) unit motions that radiate, along the axes of space."""
-    nb, na = body.axes.size, body.active.size
-    along = np.zeros((nb, 6, nb, na))
-    for b, R in enumerate(rotations(body, z[None])[0] if body.turning else [np.eye(3)] * nb):
-        along[b, :, b] = block_diag(R, R)[:, body.active]
-    return along.reshape(6 * nb, nb * na)
+    axes = _places(body, z[None])[1][0] if body.turning else [np.eye(3)] * body.axes.size
+    each = [block_diag(R, R)[:, body.active] for R in axes]
+    return np.asarray(block_diag(*each) if each else np.zeros((0, 0)))
 
 
 def jacobian(body: Bodies, z: np.ndarray) -> np.ndarray:
@@ -181,32 +179,21 @@ def jacobians(body: Bodies, z: np.ndarray) -> np.ndarray:
     return _places(body, z)[0]
 
 
-def rotations(body: Bodies, z: np.ndarray) -> np.ndarray:
-    """Of the bodies (m, nb, 3, 3)."""
-    return _places(body, z)[1]
+def of_waves(body: Bodies, z: np.ndarray, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Levers of loads by waves, along axes as at rest (nz,), on the coordinates z (m, nz): (m, nb, 6, nz); and what
+    makes of these loads those along the axes of space, (m, nb, 6, 6).
 
-
-def wave_levers(body: Bodies, z: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """Those of loads by waves, along axes as at rest (nz,), on the coordinates z (m, nz): (m, nb, 6, nz).
-
-    Motions of the reference points, which turn with the bodies where those loads do.
+    They turn with the bodies or, left to keep their directions, are on the reference points' motions.
     """
     J, R = _places(body, z)
-    return np.asarray(_turned(R, rotations(body, rest[None])).swapaxes(-1, -2) @ J) if body.turning else J
-
-
-def wave_directions(body: Bodies, z: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """(m, nb, 6, 6) from those loads to what they are along the axes of space."""
     if not body.turning:
-        return np.broadcast_to(np.eye(6), (len(z), body.axes.size, 6, 6))
-    return _turned(rotations(body, z), rotations(body, rest[None]))
-
-
-def _turned(R: np.ndarray, at_rest: np.ndarray) -> np.ndarray:
-    return np.kron(np.eye(2), R @ at_rest.swapaxes(-1, -2))
+        return J, np.broadcast_to(np.eye(6), (*R.shape[:2], 6, 6))
+    turned = np.kron(np.eye(2), R @ _places(body, rest[None])[1].swapaxes(-1, -2))
+    return turned.swapaxes(-1, -2) @ J, turned
 
 
 def _places(body: Bodies, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Jacobians (m, nb, 6, nz) and rotations (m, nb, 3, 3) of the bodies."""
     J, R = np.zeros((len(z), body.axes.size, 6, z.shape[1])), np.empty((len(z), body.axes.size, 3, 3))
     _fill_places(body, np.ascontiguousarray(z), J, R)
     return J, R

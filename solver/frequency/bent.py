@@ -14,6 +14,7 @@ from solver.multibody.of_axes import JointLoads, bent, joint_loads
 from solver.statistics import moments
 
 Load = Callable[[np.ndarray], np.ndarray]  # of power take-offs (m, n) at rates (m, n)
+ONE = np.full(gaussian.PHASES, 1 / gaussian.PHASES)  # weights of a harmonic's samples in means
 COS, SIN = np.cos(gaussian.PHASE)[:, None], np.sin(gaussian.PHASE)[:, None]
 
 
@@ -47,11 +48,10 @@ def borne_table(load: Load, V: np.ndarray, usual: np.ndarray, F: np.ndarray, of:
     """
     mean, sigma = usual[:, 2], gaussian.spread(V)
     variance = np.where(sigma > 0, sigma**2, 1.0)
-    v = gaussian.one_period(V) if len(V) == 1 else gaussian.SIZES[:, None] * sigma
+    one = len(V) == 1
+    v, weights = (gaussian.one_period(V), ONE) if one else (gaussian.SIZES[:, None] * sigma, gaussian.WEIGHTS)
     f = load(v)
-    if len(V) == 1:
-        return moments(mean + gaussian.one_period(F) + np.mean(f * v, axis=0) / variance * v - f)
-    c = gaussian.WEIGHTS @ (f * v) / variance
+    c = weights @ (f * v) / variance
     if (rates := of.sampled(V)) is not None and (linear := of.sampled(F)) is not None:
         return moments(mean + linear - linear.mean(axis=0) + c * rates - load(rates))  # of loads that may jump
     std = np.sqrt(usual[:, 4] ** 2 + gaussian.WEIGHTS @ (f - c * v) ** 2)

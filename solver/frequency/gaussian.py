@@ -43,12 +43,18 @@ class Process:
 
     def sampled(self, X: np.ndarray) -> np.ndarray | None:
         """Values (m, n) of lines (nl, n): of one harmonic over its period, else over the record; None if random."""
-        if len(X) == 1:
-            return one_period(X)
-        return None if self.begin is None else np.concatenate([*self.blocks(X)])
+        return np.concatenate([*self.blocks(X)]) if self.known else None
+
+    @property
+    def known(self) -> bool:
+        """Whether there is one harmonic, or all phases are known."""
+        return self.omega.size == 1 or self.begin is not None
 
     def blocks(self, X: np.ndarray) -> Iterator[np.ndarray]:
-        """Those over the record one after another. Lines that no wave makes widen the others' sum."""
+        """Those values, some after others. Lines that no wave makes widen the others' sum."""
+        if self.omega.size == 1:
+            yield one_period(X)
+            return
         assert self.begin is not None, "of known phases"
         waves = len(X) - self.others
         omega, of_waves = self.omega[:waves], X[:waves]
@@ -269,10 +275,8 @@ def compression_table(mean: np.ndarray, X: np.ndarray, of: Process) -> np.ndarra
     σ is the least of all fibres a - v·e(φ): the least σ is the least that any of them is expected to see, and
     the largest is not above any one's largest, nor above a's.
     """
-    if len(X) == 1 or of.begin is not None:
-        flat = X.reshape(len(X), -1)
-        values = [one_period(flat)] if len(X) == 1 else of.blocks(flat)
-        parts = (np.moveaxis(mean + x.reshape(-1, *mean.shape), -1, 0) for x in values)
+    if of.known:
+        parts = (np.moveaxis(mean + x.reshape(-1, *mean.shape), -1, 0) for x in of.blocks(X.reshape(len(X), -1)))
         return tabulated(a - np.hypot(b, c) for a, b, c in parts)
     out = np.empty((len(mean), 5))
     _compressed(mean, X, of.omega**2, of.duration, _directions(PHASES)[: PHASES // 2], _fibres(), out)

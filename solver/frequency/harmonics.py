@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.equilibrium import balance
-from solver.coupled.linear import jacobian, wave_directions, wave_levers
+from solver.coupled.linear import jacobian, of_waves
 from solver.frequency import gaussian
 from solver.frequency.case import Case
 from solver.frequency.drag_effect import Effect
@@ -297,7 +297,7 @@ def _beyond(case: Case, waves: _Waves, X: np.ndarray) -> tuple[np.ndarray, np.nd
     body, _, rest = case.system.resting.value
     lattice, model, rate, Z = waves.lattice, case.model, -1j * waves.omega[:, None], X @ case.model.shape.T
     z, dz, ddz = np.split(lattice.at_instants(np.concatenate([Z, rate * Z, rate**2 * Z], axis=1)), 3, axis=1)
-    lever = wave_levers(body, rest + z, rest)
+    lever, directions = of_waves(body, rest + z, rest)
     nt, nb, _, nz = lever.shape
     lever = lever.reshape(nt, 6 * nb, nz)
     V = lattice.lines((lever @ dz[..., None])[..., 0] @ model.along)
@@ -306,7 +306,7 @@ def _beyond(case: Case, waves: _Waves, X: np.ndarray) -> tuple[np.ndarray, np.nd
     still, wrench = balance(body, rest + z, dz, ddz)
     load = still + (water[:, None] @ lever)[:, 0]
     if body.turning:
-        water = (wave_directions(body, rest + z, rest) @ water.reshape(nt, nb, 6, 1)).reshape(nt, 6 * nb)
+        water = (directions @ water.reshape(nt, nb, 6, 1)).reshape(nt, 6 * nb)
     every = lattice.lines(np.concatenate([load, wrench.reshape(nt, 6 * nb) + water], axis=1))
     more = every[:, :nz] + (waves.against @ Z[..., None])[..., 0] - waves.force
     more[0] -= case.loads_at_rest[0]

@@ -30,7 +30,7 @@ import numpy as np
 
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import KNOWN as MODELS
-from solver.coupled.linear import jacobian, wave_directions, wave_levers
+from solver.coupled.linear import jacobian, of_waves
 from solver.coupled.system import Resting, known_differences
 from solver.frequency.case import KNOWN, NARROW, Case
 from solver.frequency.drag_effect import Effect
@@ -55,7 +55,7 @@ REACH = 2.0  # standard deviations of a band of frequencies, each as wide as wav
 class _Turning(NamedTuple):
     """How the levers of W' change with nz coordinates."""
 
-    levers: np.ndarray  # ∂ᵢJ (nz, nb, 6, nz), of `wave_levers`: they may turn with the bodies
+    levers: np.ndarray  # ∂ᵢJ (nz, nb, 6, nz), of `of_waves`: they may turn with the bodies
     directions: np.ndarray  # (nz, nb, 6, 6) of W'
     angles: np.ndarray  # (nz,) which of them turn a float: loads on its lever, or those of its centre of gravity
 
@@ -265,10 +265,10 @@ def _turning(resting: Resting) -> _Turning:
     """Scenes that differ in their seas and dampers alone share it."""
     body, _, z = resting.value
     steps = NEAR * np.eye(z.size)
-    slopes = (wave_levers(body, z + steps, z) - wave_levers(body, z - steps, z)) / (2 * NEAR)
-    directions = (wave_directions(body, z + steps, z) - wave_directions(body, z - steps, z)) / (2 * NEAR)
+    sides = (of_waves(body, z + way * steps, z) for way in (1, -1))
+    levers, directions = ((up - down) / (2 * NEAR) for up, down in zip(*sides, strict=True))
     angles = np.any(jacobian(body, z)[:, 3:], axis=(0, 1))
-    return _Turning(slopes, directions, angles)
+    return _Turning(levers, directions, angles)
 
 
 @lru_cache(maxsize=MODELS)

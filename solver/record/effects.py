@@ -138,7 +138,7 @@ def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
     by_histories = unswung(system)
     if not sea.amplitude.any():
         return by_histories
-    X, _, drag, mean = in_waves(system, h)
+    X, drag, mean = in_waves(system, h)
     waves = np.abs(sea.amplitude) > 0
     return max(by_histories, left_out_effect(system, X[waves], drag[waves] @ support.left_out.drag, mean))
 

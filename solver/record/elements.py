@@ -16,7 +16,7 @@ from solver.coupled.preparation import prepare
 from solver.coupled.support import Support
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.record.response import in_waves
+from solver.record.response import carried, in_waves
 from solver.record.steel import Steel
 from solver.scene import Scene, Settings
 from solver.structure import modes as natural
@@ -65,14 +65,15 @@ def _stds(system: System, h: Hydrodynamics | None, settings: Settings) -> Iterat
     """Of each leg's top and foot, and of the whole's forces where settings ask; 0 of what is faint beside its like."""
     support, omega = system.support, system.scene.sea.omega[:, None]
     assert support is not None, "asked of scenes with a platform"
-    X, borne, drag, _ = in_waves(system, h)
+    X, drag, _ = in_waves(system, h)
     P = X[:, : support.omega.size]
     kinds: list[np.ndarray] = []
     if support.legs is not None:
         kinds.append(np.tensordot(P, support.legs.tops, axes=1))
     if support.forces is not None:
         forces, steel = support.forces, Steel(support.forces, settings)
-        x = system.rows[system.layout.forces].T + forces.of_motion(-1j * omega * P, -(omega**2) * P, borne)
+        rate, borne = -1j * omega, carried(system, h, X)
+        x = system.rows[system.layout.forces].T + forces.of_motion(rate * P, rate**2 * P, borne)
         y = forces.whole(x + drag @ forces.drag)
         if support.legs is not None:
             kinds.append(steel.every_fibre(y).reshape(len(y), -1, 1))

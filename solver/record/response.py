@@ -24,7 +24,6 @@ class InWaves(NamedTuple):
     """The response, wave by wave."""
 
     X: np.ndarray  # (nw, n) of the coordinates
-    carried: np.ndarray  # (nw, nc) load of the floats on the carriers
     drag: np.ndarray  # (nw, nd ns) the water's at the stations [N]
     mean: np.ndarray  # (nd ns,) of that drag
 
@@ -38,11 +37,21 @@ def in_waves(system: System, h: Hydrodynamics | None) -> InWaves:
         force, K = _equivalent(support.stream, water)
         drag, mean = system.structure.drag * linear_drag.by_station(K, water), system.structure.drag * force.T
     flat = drag.reshape(len(drag), math.prod(station.shape[1:]))
-    Y = impedance(system, h, omega) if h is not None else np.zeros((omega.size, 0, 0))
     force = force_of_waves(system, h, flat @ station.reshape(len(station), flat.shape[1]).T)
-    model = linear_model(system)
-    X, pushed = model.response(omega, Y, force), excitation(system, h, omega) * system.scene.sea.amplitude[:, None]
-    return InWaves(X, model.carried(omega, X @ model.shape.T, Y, pushed), flat, mean.ravel())
+    return InWaves(linear_model(system).response(omega, _radiated(system, h), force), flat, mean.ravel())
+
+
+def carried(system: System, h: Hydrodynamics | None, X: np.ndarray) -> np.ndarray:
+    """Load (nw, nc) of the floats on the carriers in that response X (nw, n)."""
+    model, sea = linear_model(system), system.scene.sea
+    pushed = excitation(system, h, sea.omega) * sea.amplitude[:, None]
+    return model.carried(sea.omega, X @ model.shape.T, _radiated(system, h), pushed)
+
+
+def _radiated(system: System, h: Hydrodynamics | None) -> np.ndarray:
+    """Y (nw, na, na); of nothing without coefficients."""
+    omega = system.scene.sea.omega
+    return impedance(system, h, omega) if h is not None else np.zeros((omega.size, 0, 0))
 
 
 def drag_damping(system: System) -> np.ndarray:

@@ -40,7 +40,7 @@ def from_rest(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     lacking = np.exp(-B * since) * -np.expm1(-lasts) / lasts
     if not np.any(lacking > LACKS):
         return
-    size = np.abs(in_waves(system, h)[0]) ** 2
+    size = np.abs(in_waves(system, h).X) ** 2
     total = size.sum(axis=0)
     moves = linear_model(system).length * np.sqrt(total)
     used = moves > FAINT * moves.max()

@@ -18,7 +18,7 @@ from solver.frequency.rotation import mean_shift, resonant, slow_motions
 from solver.frequency.run import NO_BALANCE
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
-from solver.record.response import in_waves
+from solver.record.response import carried, in_waves
 from solver.run import simulate
 from solver.scene import Float
 from solver.sea.realization import components, realize, regular
@@ -81,7 +81,8 @@ def test_a_float_on_a_clamped_node_loads_the_ground_as_on_springs():
         assert ours == approx(theirs, abs=1e-5 * theirs[..., 4].max()), name
     assert lines.attrs["rotation_effect"] == approx(exact.attrs["rotation_effect"], rel=5e-3)
     usual, waves = respond(clamped, h).carried, item.sea.omega.size
-    judged = in_waves(prepare(clamped, h), h).carried
+    system = prepare(clamped, h)
+    judged = carried(system, h, in_waves(system, h).X)
     assert judged == approx(usual[:waves], abs=1e-9 * np.abs(usual).max())
 
 

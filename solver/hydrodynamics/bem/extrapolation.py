@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.edges import order
@@ -13,6 +12,7 @@ from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.plates import Plates
 from solver.hydrodynamics.radiation.passivity import UNPASSIVE, least_damping
+from solver.lines import real_parts
 
 NEXT = 3  # power of h that is left without the h² error: of edges, and of spheres, which have one in the waterplane
 MOST = 3.0  # times the step from the finest mesh to its limit, that limits differ by where waves are resolved
@@ -73,22 +73,20 @@ def extrapolated(
     left = (divisions[1] / divisions[0]) ** NEXT
     coarser = _limits(solutions[1:], divisions[1:])
     differ = [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
-    for k in (0, 2, 3):
+    for k in [k for k in (0, 2, 3) if step[k].size]:
         differ[k] = _at_most(MOST, step[k], differ[k])
     return best, [_at_least(LEAST / count, b, off) for b, off in zip(best, differ, strict=True)]
 
 
 def _at_most(times: float, step: np.ndarray, off: np.ndarray) -> np.ndarray:
     """`off` (nw, …), but no more than some times the largest step nearby; real and imaginary parts by themselves."""
-    if np.iscomplexobj(off):
-        return _at_most(times, step.real, off.real) + 1j * _at_most(times, step.imag, off.imag)
-    most = times * maximum_filter1d(np.abs(step), 2 * NEARBY + 1, axis=0, mode="nearest") if off.size else off
-    return np.clip(off, -most, most)
+    most = times * maximum_filter1d(np.abs(real_parts(step)), 2 * NEARBY + 1, axis=0, mode="nearest")
+    return np.clip(real_parts(off), -most, most).view(complex)
 
 
 def _stands_out(taken: np.ndarray) -> np.ndarray:
     """Where limits take far more of the least damping (nw,) than at frequencies nearby, as irregular ones make them."""
-    nearby = np.median(sliding_window_view(np.pad(np.abs(taken), NEARBY, mode="edge"), 2 * NEARBY + 1), axis=1)
+    nearby = median_filter(np.abs(taken), 2 * NEARBY + 1, mode="nearest")
     return np.asarray(taken > np.maximum(FAR_MORE * nearby, UNHEARD))
 
 
