@@ -26,6 +26,14 @@ class Forces(NamedTuple):
     lines: np.ndarray  # (nl, ny)
 
 
+class OfPlatform(NamedTuple):
+    """How an elastic platform moves, and what it bears."""
+
+    process: gaussian.Process
+    X: np.ndarray  # (nl, nm) modes
+    frame: Forces
+
+
 def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
     """Of power take-offs, if asked for: from one end to the other, and the way in an hour, 3600 ⟨|v|⟩."""
     if "pto_stroke" not in case.system.scene.settings.outputs or not case.channels.axes:
@@ -51,14 +59,16 @@ def rate_lines(case: Case, response: Response) -> np.ndarray:
     return -1j * response.omega[:, None] * joint_lines(case, response)
 
 
-def tables_of(case: Case, outputs: list[Output]) -> dict[str, np.ndarray]:
+def tables_of(process: gaussian.Process, outputs: list[Output]) -> dict[str, np.ndarray]:
     """Statistics of outputs, all at once."""
+    if not outputs:
+        return {}
     ends = np.cumsum([lines[0].size for _, _, lines in outputs])
     every = np.concatenate([lines.reshape(len(lines), -1) for _, _, lines in outputs], axis=1)
     mean = np.empty(every.shape[1])
     for end, (_, level, lines) in zip(ends, outputs, strict=True):
         mean[end - lines[0].size : end] = np.ravel(level)
-    table = gaussian.table(mean, every, case.process)
+    table = gaussian.table(mean, every, process)
     return {
         name: table[end - lines[0].size : end].reshape(*lines.shape[1:], -1)
         for end, (name, _, lines) in zip(ends, outputs, strict=True)
@@ -96,7 +106,7 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
             tables[name][at] = borne_table(of(law, nc + axes), rates[:, axes], usual, lines, case.process)
 
 
-def of_squares(case: Case, response: Response, frame: Forces, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:
+def of_squares(case: Case, response: Response, platform: OfPlatform, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:
     """Name and statistics of what no line makes."""
     scene, channels = case.system.scene, case.channels
     if scene.floats:
@@ -112,8 +122,8 @@ def of_squares(case: Case, response: Response, frame: Forces, law: JointLaw) -> 
         if any(f.pto_efficiency for f in scene.floats):
             yield "electrical_power", np.array(list(_electrical(case, response, law, owned, powers)))
     if channels.steel is not None and channels.legs is not None:
-        level, lines = (channels.steel.compression(y)[:, channels.legs.first] for y in frame)
-        of_legs = gaussian.compression_table(level[0], lines, case.process)
+        level, lines = (channels.steel.compression(y)[:, channels.legs.first] for y in platform.frame)
+        of_legs = gaussian.compression_table(level[0], lines, platform.process)
         yield "bottom_stress", of_legs[channels.legs.twin]
 
 
@@ -133,12 +143,11 @@ def _electrical(
         yield gaussian.electrical_table(f.pto_efficiency, axes, power, case.process)
 
 
-def outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
-    """Of all that goes with the waves."""
-    system, channels, omega, mean = case.system, case.channels, response.omega, response.mean
-    scene, (z, p) = system.scene, system.equilibrium
-    p, still = p + mean.x[: p.size], case.loads_at_rest[1] + mean.wrench
-    z = z + case.model.shape @ mean.x
+def outputs(case: Case, response: Response) -> Iterator[Output]:
+    """Of all that goes with the waves but a platform's."""
+    system, channels, mean = case.system, case.channels, response.mean
+    scene, still = system.scene, case.loads_at_rest[1] + mean.wrench
+    z = system.equilibrium[0] + case.model.shape @ mean.x
     yield ELEVATION, np.zeros(()), case.amplitude
     if scene.floats:
         nc, joints = system.structure.carrier.shape[0], joint_lines(case, response)
@@ -157,13 +166,18 @@ def outputs(case: Case, response: Response, frame: Forces) -> Iterator[Output]:
             either = (channels.line_tension(system.bodies, z + way * NEAR * np.eye(z.size)) for way in (1, -1))
             slope = np.subtract(*either) / (2 * NEAR)
             yield "line_tension", channels.line_tension(system.bodies, z[None])[0], response.Z @ slope
+
+
+def platform_outputs(case: Case, response: Response, platform: OfPlatform) -> Iterator[Output]:
+    """Of a platform, that are linear."""
+    channels, frame, p = case.channels, platform.frame, case.system.equilibrium[1]
     if channels.legs is not None:
         tops = channels.legs.tops.reshape(p.size, -1)
-        means, lines = (x @ tops for x in (p, response.X[:, : p.size]))
+        means, lines = (x @ tops for x in (p + response.mean.x[: p.size], platform.X))
         on = channels.legs.tops.shape[1:]
         yield "top_displacement", means.reshape(on), lines.reshape(-1, *on)
     if channels.nodes:
-        for name, lines in channels.accelerations(-(omega[:, None] ** 2) * response.X[:, : p.size]):
+        for name, lines in channels.accelerations(-(platform.process.omega[:, None] ** 2) * platform.X):
             yield name, np.zeros(()), lines
     if channels.steel is not None:
         means = dict(channels.steel.channels(frame.level))

@@ -1,6 +1,7 @@
 """One scene in, one record out, without a march."""
 
 from collections.abc import Iterable, Iterator
+from itertools import chain
 
 import numpy as np
 
@@ -14,11 +15,13 @@ from solver.frequency.outputs import (
     joint_lines,
     of_squares,
     outputs,
+    platform_outputs,
     rate_lines,
     strokes,
     tables_of,
 )
 from solver.frequency.response import Response, respond, respond_in
+from solver.frequency.ringing import rung
 from solver.frequency.rotation import rotation_effect, turned
 from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
@@ -46,8 +49,10 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     law, channels, support = case.law(scene.floats), case.channels, case.system.support
     response = turned(case, respond_in(case, law))
     frame = frame_forces(case, response)
-    linear, waves, omega = list(outputs(case, response, frame)), case.waves.size, case.omega
-    tables = tables_of(case, linear) | dict(of_squares(case, response, frame, law))
+    platform, waves = rung(case, law, response, frame), case.waves.size
+    linear, of_platform = list(outputs(case, response)), list(platform_outputs(case, response, platform))
+    tables = tables_of(case.process, linear) | tables_of(platform.process, of_platform)
+    tables |= dict(of_squares(case, response, platform, law))
     beyond: Iterable[str] = ()
     if scene.floats:
         bend(case, response, law, linear, tables)
@@ -110,7 +115,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     spectra = None
     if scene.settings.spectra:
         at = bands(scene.sea.omega, scene.settings.duration)
-        parts = ((name, lines[:waves]) for name, _, lines in linear)
+        parts = ((name, lines[:waves]) for name, _, lines in linear + of_platform)
         spectra = channels.spectra(at, case.waves, scene.sea.amplitude[case.met], parts)
     drifting: dict[str, Labelled] = {}
     if "drift" in scene.settings.outputs:
@@ -119,10 +124,11 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         attrs |= figures | {"unmet": "; ".join(note for note in said if note)}
     counted = None
     if channels.steel is not None and channels.steel.counts:
-        counted = channels.steel.expected(frame.lines, omega)
+        counted = channels.steel.expected(platform.frame.lines, platform.process.omega)
     further = drifting | dict(strokes(case, response))
     if "moments" in scene.settings.outputs:
-        of_order = {name: moments(omega, lines) for name, _, lines in linear}
+        each = ((of, case.omega) for of in linear), ((of, platform.process.omega) for of in of_platform)
+        of_order = {name: moments(omega, lines) for (name, _, lines), omega in chain(*each)}
         further |= channels.moments({name: (crossings(m), m) for name, m in of_order.items()})
     return channels.record(
         tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further

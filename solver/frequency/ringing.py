@@ -1,0 +1,125 @@
+"""What linear damping leaves of loads that bend, on an elastic platform: lines of their own, that no wave makes.
+
+Loads that jump or are cut off, or go with the rate's square, have parts above the waves' frequencies, too, by which
+frames swing on their own. Of Gaussian rates v with correlations ρ(τ), f = Σ cₖ Heₖ(v/σ)/√k!, what is left is k ≥ 3:
+
+    R(τ) = Σ cₖcₖ' ρ(τ)ᵏ = JJ' (2/π) (asin ρ - ρ) + Σ (cₖcₖ' - JJ'sₖsₖ') ρᵏ,
+
+with J sgn(v) the part of f that jumps, of which sₖ are the terms: its own series would end too late. That goes with no
+rate in the mean, and so adds to the waves' variance. Of one wave it is the harmonics of f.
+"""
+
+import numpy as np
+from scipy.linalg import eigh
+
+from solver.frequency import gaussian
+from solver.frequency.bent import Load, rate_load
+from solver.frequency.case import NARROW, Case
+from solver.frequency.outputs import Forces, OfPlatform
+from solver.frequency.response import Response
+from solver.multibody.joint_law import JointLaw
+from solver.multibody.of_axes import drag
+
+ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
+GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std
+FASTEST = 100.0  # times the fastest wave's frequency, up to which modes are looked at
+EVEN, EACH = 120, 24  # frequencies up to there, by their logarithms, and more of them about each resonance
+OFTEN = 16  # samples of the fastest's period
+PERIODS = 40.0  # of the slowest wave, in which R is looked at, less and less
+HARMONICS = np.arange(3, gaussian.PHASES // 4, 2)
+
+
+def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlatform:
+    """What a response moves a platform by, and the frame's forces, with such lines where loads bend."""
+    (nc, nm), of = case.system.structure.carrier.shape, case.process
+    axes = np.flatnonzero((response.bends | (drag(law)[nc:] > 0)) & ~response.stuck)
+    waves = OfPlatform(of, response.X[:, :nm], frame)
+    rates = -1j * response.omega[:, None] * response.X[:, nm + axes]
+    if nm == 0 or not np.any(rates):
+        return waves
+    load = rate_load(law, nc + axes)
+    omega, force = (_harmonics if len(rates) == 1 else _spread)(case, response, load, rates)
+    pushed = np.zeros((len(omega), len(case.model.mass)), complex)
+    pushed[:, nm + axes] = -force
+    Z = case.model.dynamic_stiffness(omega, case.impedance_at(omega)) - 1j * omega[:, None, None] * response.damping
+    X = np.linalg.solve(Z, pushed[..., None])[..., 0]
+    process = gaussian.Process(
+        np.append(of.omega, omega),
+        of.duration if len(rates) > 1 else 2 * np.pi / of.omega[0],
+        of.others + omega.size if len(rates) > 1 else 0,
+        of.begin if len(rates) > 1 else 0.0,
+    )
+    more = Forces(frame.level, np.concatenate([frame.lines, _borne(case, omega, X)]))
+    return OfPlatform(process, np.concatenate([waves.X, X[:, :nm]]), more)
+
+
+def _harmonics(_case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """ω (ne,) and loads (ne, nj) of one wave's."""
+    turned = np.exp(1j * np.outer(HARMONICS, gaussian.PHASE)) * (2 / gaussian.PHASES)
+    return HARMONICS * response.omega, turned @ load(gaussian.one_period(rates))
+
+
+def _spread(case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same of a sea's: at each frequency as many lines as loads, that go together as these do."""
+    at, width = _nodes(case, response)
+    sigma = gaussian.spread(rates)
+    J, c, s = _terms(load, sigma)
+    step = 2 * np.pi / (OFTEN * at[-1])
+    last = PERIODS * 2 * np.pi / case.waves.min()
+    tau = np.arange(0.0, last, step)
+    V = rates / sigma
+    pairs = 0.5 * (V[:, :, None] * V[:, None].conj()).reshape(len(V), -1)
+    turn = np.exp(-1j * np.outer(tau, response.omega))
+    rho = (turn.real @ pairs.real - turn.imag @ pairs.imag).clip(-1.0, 1.0)
+    jumps, each = np.outer(J, J).ravel(), (c[:, :, None] * c[:, None]).reshape(len(c), -1)
+    each = each - jumps * s[:, None] ** 2
+    square, total = rho**2, np.zeros(rho.shape)
+    for term in each[::-1]:
+        total = (total + term) * square
+    R = total * rho + jumps * (2 / np.pi) * (np.arcsin(rho) - rho)
+    R *= (0.5 * step / np.pi * (1 + np.cos(np.pi * tau / last)))[:, None]
+    R[0] /= 2
+    size = 2 ** int(np.ceil(np.log2(2 * tau.size)))
+    seen = np.fft.rfft(R, size, axis=0).conj()
+    place = at * size * step / (2 * np.pi)
+    low = place.astype(int)
+    half = seen[low] + (place - low)[:, None] * (seen[low + 1] - seen[low])
+    half = half.reshape(at.size, sigma.size, sigma.size)
+    value, shape = np.linalg.eigh(half + half.conj().swapaxes(1, 2))
+    lines = shape * np.sqrt(2 * width[:, None] * value.clip(min=0.0))[:, None]
+    return np.repeat(at, sigma.size), lines.swapaxes(1, 2).reshape(-1, sigma.size)
+
+
+def _terms(load: Load, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """J (nj,), cₖ (nk, nj) and sₖ (nk,) of the third order and all odd ones above."""
+    f = load(GRID[:, None] * sigma)
+    weight = np.sqrt(2 / np.pi) * (GRID[1] - GRID[0]) * np.exp(-0.5 * GRID**2)
+    below, H, c, s = np.ones(GRID.shape), np.array(GRID), [], []
+    for k in range(2, ORDERS + 1):
+        below, H = H, (GRID * H - np.sqrt(k - 1) * below) / np.sqrt(k)
+        if k % 2:
+            c.append((weight * H) @ f)
+            s.append(np.sum(weight * H))
+    return 1.5 * f[0] - 0.5 * f[1], np.array(c), np.array(s)
+
+
+def _nodes(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (ne,), dense about the resonances, and what each stands for."""
+    model, far = case.model, FASTEST * case.waves.max()
+    square, shapes = eigh(model.stiffness, model.mass)
+    own = np.sqrt(square.clip(min=0.0))
+    half = np.maximum(np.sum(shapes * ((model.damping + response.damping) @ shapes), axis=0) / 2, NARROW * own)
+    near = own[:, None] + half[:, None] * np.tan(np.linspace(-1.5, 1.5, EACH))
+    low, high = case.waves.min() / 4, min(far, 2 * own.max())
+    edges = np.union1d(np.geomspace(low, high, EVEN), near[(near > low) & (near < high)])
+    return 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+
+
+def _borne(case: Case, omega: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """Of the frame (ne, ny) in these motions, their drag aside."""
+    support, model, rate = case.system.support, case.model, -1j * omega[:, None]
+    if support is None or support.forces is None:
+        return np.zeros((omega.size, 0), complex)
+    P, none = X[:, : model.modes.shape[1]], np.zeros((omega.size, len(model.active)))
+    carried = model.carried(omega, X @ model.shape.T, case.impedance_at(omega), none)
+    return support.forces.whole(support.forces.of_motion(rate * P, rate**2 * P, carried))
