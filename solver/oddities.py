@@ -352,18 +352,6 @@ def drag_driven(factor: float) -> Iterator[str]:
         )
 
 
-def ringing(scene: Scene, bends: np.ndarray) -> Iterator[str]:
-    """A sentence where laws of joints that bend, of some axes (nj,), load an elastic platform in a linear model."""
-    axes = [f"floats.{f.name}" for f in scene.floats for _ in f.motion]
-    names = dict.fromkeys(name for name, bent in zip(axes, bends, strict=True) if bent)
-    if scene.platform is not None and names:
-        yield (
-            f"{', '.join(names)}: loads that jump or are cut off ring an elastic platform above the waves' frequencies,"
-            " which a linear model does not have: its stresses are too low, and damage more so, with no part of the"
-            " estimated error; a run in time has them"
-        )
-
-
 def skewed(factor: float) -> Iterator[str]:
     """A sentence where arms that turn make extremes of joints' forces exceed Gaussian ones by a factor."""
     if factor > APART:

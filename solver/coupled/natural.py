@@ -258,7 +258,8 @@ def with_usual_step(system: System, modes: SystemModes) -> System:
     STEPS in the shortest wave's period and in each of the floats' own that is not below half of that: what is faster
     follows the waves without swinging, and the scheme is stable. In still water STEPS in all of them, and DRAWN in
     those that the offsets set swinging; a frame without floats stands still there. STEPS, too, in those of a frame's
-    modes that load histories set swinging, and steps that miss no more than MISSED of these loads.
+    modes that load histories set swinging, and steps that miss no more than MISSED of these loads; and in all of its
+    shapes where accelerations are asked for, which floats with loads that are not linear shake.
     """
     if system.scene.settings.time_step is not None:
         return system
@@ -266,7 +267,7 @@ def with_usual_step(system: System, modes: SystemModes) -> System:
     if sea.amplitude.any() or not system.scene.floats:
         floats = np.array([not name.startswith(FRAME) for name in modes.names], bool)
         periods = modes.period[floats & (modes.period > np.pi / sea.omega.max())]
-        step = min([system.scene.usual_step, *periods / STEPS])
+        step = min([system.scene.usual_step, *(modes.period if system.shaken else periods) / STEPS])
     else:
         step = min([*_swinging(system, modes) / DRAWN, *modes.period / STEPS], default=system.scene.usual_step)
     step, s = step if np.isfinite(step) else system.scene.usual_step, system.scene.settings

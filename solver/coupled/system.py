@@ -26,6 +26,7 @@ from solver.sea.realization import ramp
 from solver.sea.series import Factored, WaveSeries, factored
 from solver.structure.load_history import LoadHistory
 
+SHAKEN = 1e-2  # with which modes' accelerations are off by 1 or 2 %
 FELT = 0.1  # of a float's largest force per wave amplitude: by no more do waves push whose pressure may be linear
 BLOCK_STEPS = 256  # steps a block: small enough for the cache, large enough for BLAS and for Python
 ROUNDING = 1e-12  # of the weights' energy and work: 2e-16 a step, in some 1e6 steps of either sign
@@ -149,9 +150,13 @@ class System:
 
     @property
     def newton_tolerance(self) -> float:
-        """For this step: positions change by dt² of the accelerations, and those give the forces [m or rad]."""
+        """For this step: positions change by dt² of the accelerations, and those give the forces [m or rad].
+
+        Where accelerations are asked for that loads of floats shake, SHAKEN of that: so does what Newton leaves.
+        """
         radius = min((f.hull.largest_radius for f in self.scene.floats), default=1.0)
         share = min(1.0, radius) * min(1.0, self.dt / self.scene.usual_step) ** 2
+        share *= SHAKEN if self.shaken else 1.0
         return max(self.scene.settings.newton_tolerance * share, LEAST)
 
     @property
@@ -206,6 +211,12 @@ class System:
         # What offsets hold goes to and fro, and where nothing is lost the sum of what is stored does not tell of it.
         state.energy[SCALE] = max(state.energy[SCALE], abs(state.energy[AT_START] - at_rest))
         return state
+
+    @property
+    def shaken(self) -> bool:
+        """Whether accelerations are asked for of a frame with floats whose loads are not linear."""
+        bent = bool(self.bent.size) or bool(of_axes.drag(self.bodies.law).any())
+        return "accelerations" in self.scene.settings.outputs and (bent or bool(self.bodies.nonlinear.any()))
 
     @property
     def bent(self) -> np.ndarray:

@@ -61,15 +61,19 @@ class Process:
         size = spread(of_waves)
         of_waves = of_waves * np.divide(spread(X), size, out=np.ones(size.shape), where=size > 0)
         count = int(np.ceil(OFTEN * omega.max() * self.duration / (2 * np.pi)))
-        step = self.duration / count
-        turn = np.exp(-1j * np.outer(step * np.arange(BLOCK), omega))
-        for first in range(0, count, BLOCK):
-            Y, rows = np.exp(-1j * omega * (self.begin + step * first))[:, None] * of_waves, turn[: count - first]
-            yield rows.real @ Y.real - rows.imag @ Y.imag
+        yield from sums(omega, of_waves, self.begin, self.duration / count, count)
 
     def unwaved(self, X: np.ndarray) -> np.ndarray:
         """Which lines (nl, n) have next to nothing of the waves: no sum of those has the others' shape."""
         return spread(X[: len(X) - self.others]) < FAINT * spread(X)
+
+
+def sums(omega: np.ndarray, X: np.ndarray, begin: float, step: float, count: int) -> Iterator[np.ndarray]:
+    """Values (m, n) of lines (nl, n) at times a step apart, some after others, `count` in all."""
+    turn = np.exp(-1j * np.outer(step * np.arange(BLOCK), omega))
+    for first in range(0, count, BLOCK):
+        Y, rows = np.exp(-1j * omega * (begin + step * first))[:, None] * X, turn[: count - first]
+        yield rows.real @ Y.real - rows.imag @ Y.imag
 
 
 def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
@@ -238,8 +242,9 @@ def electrical_table(efficiency: PtoEfficiency, axes: Axes, absorbed: np.ndarray
     taken, given = (_absorbed(s * load, np.abs(k) * sigma[:n], s * k * axes.level, sigma[n:]) for s in (1, -1))
     mean = efficiency.generating * taken.sum() - given.sum() / efficiency.motoring
     parts = np.linalg.eigvals(A @ S).real
-    ends = np.array([parts.max(), parts.min()]) * _beyond(*_sums(V, of.omega)[:2], of.duration)
-    high, low = efficiency.electrical(parts.sum() + ends)
+    ends = np.array([parts.max(), parts.min()])  # where one is at its largest, the other is next to nothing
+    largest = ends * (1 + _beyond(*_sums(V, of.omega)[:2], of.duration))
+    high, low = efficiency.electrical(parts.sum() - ends.sum() + largest)
     return np.array([high, min(low, 0.0), mean, np.hypot(mean, std), std])
 
 

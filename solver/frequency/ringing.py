@@ -10,47 +10,46 @@ rate in the mean, and so adds to the waves' variance. Of one wave it is the harm
 """
 
 import numpy as np
+from scipy.fft import next_fast_len, rfft
 from scipy.linalg import eigh
 
 from solver.frequency import gaussian
 from solver.frequency.bent import Load, rate_load
 from solver.frequency.case import NARROW, Case
-from solver.frequency.outputs import Forces, OfPlatform
+from solver.frequency.outputs import Forces, OfPlatform, rate_lines
 from solver.frequency.response import Response
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 
 ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
 GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std
-FASTEST = 100.0  # times the fastest wave's frequency, up to which modes are looked at
+FASTEST = 40.0  # times the fastest wave's frequency, up to which modes are looked at
 EVEN, EACH = 120, 24  # frequencies up to there, by their logarithms, and more of them about each resonance
 OFTEN = 16  # samples of the fastest's period
-PERIODS = 40.0  # of the slowest wave, in which R is looked at, less and less
+PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
 HARMONICS = np.arange(3, gaussian.PHASES // 4, 2)
 
 
 def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlatform:
     """What a response moves a platform by, and the frame's forces, with such lines where loads bend."""
-    (nc, nm), of = case.system.structure.carrier.shape, case.process
-    axes = np.flatnonzero((response.bends | (drag(law)[nc:] > 0)) & ~response.stuck)
-    waves = OfPlatform(of, response.X[:, :nm], frame)
-    rates = -1j * response.omega[:, None] * response.X[:, nm + axes]
-    if nm == 0 or not np.any(rates):
+    (nc, nm), of, model = case.system.structure.carrier.shape, case.process, case.model
+    waves, rates = OfPlatform(of, response.X[:, :nm], frame), rate_lines(case, response)
+    bends = (response.bends | (drag(law)[nc:] > 0)) & ~response.stuck & rates.any(axis=0)
+    if nm == 0 or not bends.any():
         return waves
-    load = rate_load(law, nc + axes)
-    omega, force = (_harmonics if len(rates) == 1 else _spread)(case, response, load, rates)
-    pushed = np.zeros((len(omega), len(case.model.mass)), complex)
+    axes, one = np.flatnonzero(bends), len(rates) == 1
+    omega, force = (_harmonics if one else _spread)(case, response, rate_load(law, nc + axes), rates[:, axes])
+    pushed = np.zeros((len(omega), len(model.mass)), complex)
     pushed[:, nm + axes] = -force
-    Z = case.model.dynamic_stiffness(omega, case.impedance_at(omega)) - 1j * omega[:, None, None] * response.damping
+    Z = model.dynamic_stiffness(omega, case.impedance_at(omega)) - 1j * omega[:, None, None] * response.damping
     X = np.linalg.solve(Z, pushed[..., None])[..., 0]
-    process = gaussian.Process(
-        np.append(of.omega, omega),
-        of.duration if len(rates) > 1 else 2 * np.pi / of.omega[0],
-        of.others + omega.size if len(rates) > 1 else 0,
-        of.begin if len(rates) > 1 else 0.0,
-    )
-    more = Forces(frame.level, np.concatenate([frame.lines, _borne(case, omega, X)]))
-    return OfPlatform(process, np.concatenate([waves.X, X[:, :nm]]), more)
+    every = np.append(of.omega, omega)
+    if one:
+        process = gaussian.Process(every, 2 * np.pi / of.omega[0], begin=0.0)
+    else:
+        process = gaussian.Process(every, of.duration, of.others + omega.size, of.begin)
+    lines = np.concatenate([frame.lines, _borne(case, omega, X)])
+    return OfPlatform(process, np.concatenate([waves.X, X[:, :nm]]), frame._replace(lines=lines))
 
 
 def _harmonics(_case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -60,34 +59,36 @@ def _harmonics(_case: Case, response: Response, load: Load, rates: np.ndarray) -
 
 
 def _spread(case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same of a sea's: at each frequency as many lines as loads, that go together as these do."""
-    at, width = _nodes(case, response)
-    sigma = gaussian.spread(rates)
-    J, c, s = _terms(load, sigma)
-    step = 2 * np.pi / (OFTEN * at[-1])
+    """The same of a sea's: at each frequency as many lines as loads, which go together as the loads do."""
+    (at, width), nj = _nodes(case, response), rates.shape[1]
     last = PERIODS * 2 * np.pi / case.waves.min()
-    tau = np.arange(0.0, last, step)
-    V = rates / sigma
+    count = int(np.ceil(OFTEN * at[-1] * last / (2 * np.pi)))
+    step = last / count
+    R = _left(load, rates, response.omega, step, count)
+    R *= (0.5 * step / np.pi * (1 + np.cos(np.pi * np.arange(count) / count)))[:, None]
+    R[0] /= 2
+    size = next_fast_len(2 * count, real=True)
+    place = at * size * step / (2 * np.pi)
+    seen, low = rfft(R, size, axis=0).conj(), place.astype(int)
+    half = seen[low] + (place - low)[:, None] * (seen[low + 1] - seen[low])
+    half = half.reshape(at.size, nj, nj)
+    square, pattern = np.linalg.eigh(half + half.conj().swapaxes(1, 2))
+    lines = pattern * np.sqrt(2 * width[:, None] * square.clip(min=0.0))[:, None]
+    return np.repeat(at, nj), lines.swapaxes(1, 2).reshape(-1, nj)
+
+
+def _left(load: Load, rates: np.ndarray, omega: np.ndarray, step: float, count: int) -> np.ndarray:
+    """R (count, nj nj) at delays a step apart."""
+    V = rates / gaussian.spread(rates)
     pairs = 0.5 * (V[:, :, None] * V[:, None].conj()).reshape(len(V), -1)
-    turn = np.exp(-1j * np.outer(tau, response.omega))
-    rho = (turn.real @ pairs.real - turn.imag @ pairs.imag).clip(-1.0, 1.0)
-    jumps, each = np.outer(J, J).ravel(), (c[:, :, None] * c[:, None]).reshape(len(c), -1)
-    each = each - jumps * s[:, None] ** 2
+    rho = np.concatenate([*gaussian.sums(omega, pairs, 0.0, step, count)]).clip(-1.0, 1.0)
+    J, c, s = _terms(load, gaussian.spread(rates))
+    jumps = np.outer(J, J).ravel()
+    each = (c[:, :, None] * c[:, None]).reshape(len(c), -1) - s[:, None] ** 2 * jumps
     square, total = rho**2, np.zeros(rho.shape)
     for term in each[::-1]:
         total = (total + term) * square
-    R = total * rho + jumps * (2 / np.pi) * (np.arcsin(rho) - rho)
-    R *= (0.5 * step / np.pi * (1 + np.cos(np.pi * tau / last)))[:, None]
-    R[0] /= 2
-    size = 2 ** int(np.ceil(np.log2(2 * tau.size)))
-    seen = np.fft.rfft(R, size, axis=0).conj()
-    place = at * size * step / (2 * np.pi)
-    low = place.astype(int)
-    half = seen[low] + (place - low)[:, None] * (seen[low + 1] - seen[low])
-    half = half.reshape(at.size, sigma.size, sigma.size)
-    value, shape = np.linalg.eigh(half + half.conj().swapaxes(1, 2))
-    lines = shape * np.sqrt(2 * width[:, None] * value.clip(min=0.0))[:, None]
-    return np.repeat(at, sigma.size), lines.swapaxes(1, 2).reshape(-1, sigma.size)
+    return total * rho + jumps * (2 / np.pi) * (np.arcsin(rho) - rho)
 
 
 def _terms(load: Load, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -10,6 +10,7 @@ from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
 from solver.frequency.drag_effect import drag_effect
 from solver.frequency.outputs import (
+    OfPlatform,
     bend,
     frame_forces,
     joint_lines,
@@ -27,7 +28,7 @@ from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
-from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, ringing, skewed, stopped
+from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, skewed, stopped
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -36,9 +37,11 @@ from solver.record.effects import left_out_effect, response_error, together
 from solver.record.elements import elements_effect
 from solver.record.probe import UNTOLD, knows_finer, with_tables
 from solver.record.spectra import bands, crossings, moments
+from solver.record.steel import Steel
 from solver.scene import Scene, require_waves
 
 NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
+CYCLES = 50  # of which rainflow leaves half a cycle
 LEFT_OUT = "displacement_envelope, stress_envelope"  # how the nodes' motions go together in time
 
 
@@ -98,7 +101,6 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *of_motions(scene, channels.axes, tables),
         *beyond,
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
-        *ringing(scene, response.bends & ~response.stuck),
         *drag_driven(of_drag.extremes),
         *skewed(turning.extremes),
         *([NO_BALANCE] if turning.error == UNTOLD else []),
@@ -124,7 +126,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         attrs |= figures | {"unmet": "; ".join(note for note in said if note)}
     counted = None
     if channels.steel is not None and channels.steel.counts:
-        counted = channels.steel.expected(platform.frame.lines, platform.process.omega)
+        counted = _counted(channels.steel, platform)
     further = drifting | dict(strokes(case, response))
     if "moments" in scene.settings.outputs:
         each = ((of, case.omega) for of in linear), ((of, platform.process.omega) for of in of_platform)
@@ -133,6 +135,15 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     return channels.record(
         tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
     )
+
+
+def _counted(steel: Steel, platform: OfPlatform) -> tuple[dict[str, Labelled], tuple[str, ...]]:
+    """Of a sea's lines, or of one harmonic; with overtones by rainflow of many of its periods."""
+    of, (level, lines) = platform.process, platform.frame
+    if of.omega.size == 1 or not of.known or of.duration > 2 * np.pi / of.omega.min():
+        return steel.expected(lines, of.omega)
+    period = level + np.concatenate([*of.blocks(lines)])
+    return steel.counted(steel.ends(np.tile(period, (CYCLES, 1))), CYCLES * of.duration)
 
 
 def _law_effect(case: Case, response: Response, scene: Scene) -> float:

@@ -157,7 +157,7 @@ class RangeSpread(NamedTuple):
         for D, width in ((D2, R), (D3, 1.0)):
             half = 1 + m / 2
             part = _between(half, (low / width) ** 2 / 2, (high / width) ** 2 / 2) if D else 0.0
-            total += D * (np.sqrt(2) * width) ** m * gamma(half) * part
+            total += D * (np.sqrt(2) * abs(width)) ** m * gamma(half) * part  # p has R² alone
         return float(self.rate * (2 * self.std) ** m * total)
 
 
