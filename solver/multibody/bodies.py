@@ -90,7 +90,7 @@ class Loads(NamedTuple):
 
 
 class PressureRoom(NamedTuple):
-    """Scratch of the pressure integrals: a kernel that allocates is slower."""
+    """Scratch of the pressure integrals, most of it: a kernel that allocates is slower."""
 
     quadrature: QuadratureRoom
     panels: PanelsRoom

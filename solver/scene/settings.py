@@ -100,7 +100,7 @@ class Settings:
     ] = 1e-4
     memory_tolerance: Annotated[
         float | None,
-        Quantity(least=1e-8, most=1),
+        Quantity(least=1e-8, below=1),
         "Of the radiation memory's fit; left out, 5e-3 or, where that sways the motions by over 0.3 %, by their change",
     ] = None
     stations_per_element: Annotated[

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from solver.keys import Bits, shared
 
 KNOWN = 64  # seas whose wavenumbers a process keeps
+DEEP = 1e100  # [m] as good as infinite, of k = 0 too
 SHALLOWEST = 0.1  # kh; of longer waves capytaine has no Green function
 
 
@@ -21,7 +22,7 @@ def wavenumber(omega: ArrayLike, depth: float, gravity: float = 9.81) -> np.ndar
     if np.isinf(depth):
         return deep
     y0 = deep * depth
-    y = np.where(y0 > 0, y0 / np.sqrt(np.tanh(np.maximum(y0, 1e-300))), 0.0)
+    y = np.where(y0 == 0, 0.0, y0 / np.sqrt(np.tanh(np.maximum(y0, 1e-300))))
     for _ in range(8):
         t = np.tanh(y)
         slope = t + y * (1 - t * t)
@@ -32,7 +33,7 @@ def wavenumber(omega: ArrayLike, depth: float, gravity: float = 9.81) -> np.ndar
 def frequency(k: ArrayLike, depth: float, gravity: float) -> np.ndarray:
     """Frequency ω [rad/s] of wavenumbers k [1/m], √(gk tanh kh)."""
     k = np.asarray(k, float)
-    return np.asarray(np.sqrt(gravity * k * np.tanh(k * depth)))  # infinite depth is deep
+    return np.asarray(np.sqrt(gravity * k * np.tanh(k * min(depth, DEEP))))
 
 
 def wavenumbers(omega: np.ndarray, depth: float, gravity: float) -> np.ndarray:

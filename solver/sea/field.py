@@ -10,6 +10,7 @@ from functools import cached_property, lru_cache
 from math import factorial
 
 import numpy as np
+import scipy  # special is slow to import
 from numpy.typing import ArrayLike
 
 from solver.errors import InputError
@@ -19,7 +20,7 @@ from solver.sea.realization import Realization
 from solver.sea.series import ROUNDING
 
 MOST_TERMS = 120  # of the field around a float
-FIELDS = 32  # seas that a process keeps
+FIELDS = 32  # seas, and sizes of hulls in them, that a process keeps
 LOST = 1e-4  # share of the amplitudes that rounding may take from that series
 
 
@@ -127,16 +128,14 @@ class WaveField:
         return low
 
     def left_out(self, terms: int, radius: float) -> float:
-        """Bound on the tail after `terms` within `radius` [m], as a share of Σ|aᵢ|; 0 without waves."""
+        """The tail after `terms` within `radius` [m], as a share of Σ|aᵢ|; 0 without waves."""
         return self.tail(terms, radius) if self.sea.amplitude.any() else 0.0
 
     def tail(self, n: int, radius: float) -> float:
-        """Bound on Σ|aᵢ|(kᵢr)ᵐ/m! over m >= n, relative to Σ|aᵢ|: the first term times 1/(1 - kr/(n+1))."""
+        """Σ|aᵢ|(kᵢr)ᵐ/m! over m >= n, relative to Σ|aᵢ|: e^kr times the regularized incomplete gamma function."""
         amplitude, kr = np.abs(self.sea.amplitude), self.k * radius
-        ratio = np.minimum(kr / (n + 1), 0.9)
-        with np.errstate(over="ignore"):  # inf is as good a bound as any that large
-            term = kr**n / factorial(n)
-        return float(np.sum(amplitude * term / (1 - ratio)) / amplitude.sum())
+        rest = np.exp(np.minimum(kr, 700.0)) * scipy.special.gammainc(n, kr)
+        return float(amplitude @ rest / amplitude.sum())
 
 
 @lru_cache(maxsize=FIELDS)

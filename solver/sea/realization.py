@@ -112,9 +112,13 @@ def components(*, amplitude: ArrayLike, omega: ArrayLike, phase: ArrayLike, head
     """Waves listed one by one: η = Σ Aᵢ cos(kᵢs - ωᵢt + εᵢ), A (n,) [m], ω (n,) [rad/s], ε (n,) [rad]."""
     A, w, e = (np.asarray(x, float) for x in (amplitude, omega, phase))
     if not A.shape == w.shape == e.shape or A.size == 0:
-        raise InputError("amplitude", f"{A.size} values", f"needs as many as omega ({w.size}) and phase ({e.size})")
-    if not (np.all(np.isfinite([A, w, e])) and np.all(w >= SLOWEST)):
-        raise InputError("omega", w.min(), f"frequencies must be >= {SLOWEST:g} rad/s, and all numbers finite")
+        limit = f"needs one at least, and as many as omega ({w.size}) and phase ({e.size})"
+        raise InputError("amplitude", f"{A.size} values", limit)
+    for key, values in (("amplitude", A), ("omega", w), ("phase", e)):
+        if not np.all(np.isfinite(values)):
+            raise InputError(key, values[~np.isfinite(values)][0], "must be a finite number")
+    if not np.all(w >= SLOWEST):
+        raise InputError("omega", w.min(), f"frequencies must be >= {SLOWEST:g} rad/s")
     order = np.argsort(w, kind="stable")
     return Realization(
         omega=w[order],

@@ -5,6 +5,7 @@ import struct
 
 import numpy as np
 
+from solver.hydrodynamics.hull import meshfile
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.surface import split, triangles
@@ -15,6 +16,12 @@ def box(size, centre=(0, 0, 0)):
     """Vertices and faces of a closed box, six quadrilaterals with normals outwards."""
     corner = np.array(list(itertools.product((-0.5, 0.5), repeat=3))) * size + centre
     return corner, np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+
+
+def read(name, content):
+    """The hull in a file's content, bytes or text."""
+    data = content if isinstance(content, bytes) else content.encode()
+    return PanelHull.of(*meshfile.read(name, data), name=name)
 
 
 def loose(panels):

@@ -60,7 +60,7 @@ TABLE = [
     (solver("panel_size = 1e-9"), {}, "solver.panel_size = 1e-09: must be >= 0.01"),
     (solver("newton_tolerance = 1e-300"), {}, "solver.newton_tolerance = 1e-300: must be >= 1e-14"),
     (solver("newton_tolerance = 1e-16"), {}, "solver.newton_tolerance = 1e-16: must be >= 1e-14"),
-    (solver("memory_tolerance = 2.0"), {}, "solver.memory_tolerance = 2.0: must be <= 1"),
+    (solver("memory_tolerance = 1.0"), {}, "solver.memory_tolerance = 1.0: must be < 1"),
     ((BAND, BAND + "\ncomponents = 1_000_000_000"), {}, "waves.components = 1000000000: must be <= 10000"),
     (("elements = 4", "elements = 10_001"), {}, "platform.members[0].elements = 10001: must be <= 1000"),
     (

@@ -5,11 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pytest import approx
+from scipy.special import gammaln
 
 from solver.errors import InputError
-from solver.sea.dispersion import wavenumber
+from solver.sea.dispersion import frequency, wavenumber
 from solver.sea.field import WaveField
-from solver.sea.realization import ramp, realize
+from solver.sea.realization import components, ramp, realize
 from solver.sea.series import WaveSeries, factored
 from solver.sea.spectrum import PiersonMoskowitz, WhiteNoise
 
@@ -35,7 +36,8 @@ def test_dispersion_obeys_froude_scaling(scale):
 def test_deep_and_shallow_limits():
     assert wavenumber(1.0, np.inf) == approx(1 / 9.81)
     assert wavenumber(1e-3, 10.0) == approx(1e-3 / np.sqrt(98.1), rel=1e-6)
-    assert wavenumber(0.0, 10.0) == 0
+    assert wavenumber(0.0, 10.0) == 0 == frequency(0.0, np.inf, 9.81)
+    assert np.isnan(wavenumber(np.nan, 10.0))
 
 
 @pytest.mark.parametrize("form, peak", [("peak", 2 * np.pi / 5.46), ("mean", (692 * 0.8) ** 0.25 / 5.46)])
@@ -118,6 +120,16 @@ def test_velocity_follows_from_the_pressure(depth):
     assert du == approx(-9.81 * slope, rel=1e-6)
     if np.isfinite(depth):
         assert np.abs(field.velocity(np.array([0, 0, -depth]))[2]).max() < 1e-12
+
+
+@pytest.mark.parametrize("kr, n", [(0.5, 6), (3.0, 8), (20.0, 10)])
+def test_what_the_series_leaves_out_is_the_rest_of_the_exponential(kr, n):
+    """Near the float, so far from it that terms still grow, and further than numbers reach."""
+    sea = components(amplitude=[1.0, 0.0], omega=np.sqrt([9.81, 20.0]), phase=[0.0, 0.0])
+    field = WaveField(sea, np.inf, 9.81)  # k = 1 /m, and a wave that is not there
+    m = np.arange(n, 200.0)
+    assert field.left_out(n, kr) == approx(np.exp(m * np.log(kr) - gammaln(m + 1)).sum(), rel=1e-9)
+    assert 1e300 < field.left_out(n, 1e4) < np.inf
 
 
 def test_series_is_the_sum_of_components_even_after_a_day():

@@ -191,6 +191,8 @@ def _form_problems(given: Given, needed: Sequence[Sequence[str]], heading: float
     fixed = not given.bodies and has < count and not any(needed[has:])  # of bodies that nothing counts the last ones
     if has != count and not fixed:
         problems.append(_problem(given, f"has {has} bodies, the study has {count} floats"))
+    if len(bad := given.omega[~(np.isfinite(given.omega) & (given.omega > 0))]):
+        problems.append(_problem(given, f"has a frequency of {bad[0]:g} rad/s: must be finite and > 0"))
     if len(given.omega) < FEWEST or len(np.unique(given.omega)) < len(given.omega):
         limit = f"has {len(np.unique(given.omega))} different frequencies, needs {FEWEST} at least, each once"
         problems.append(_problem(given, limit))

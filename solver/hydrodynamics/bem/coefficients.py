@@ -168,11 +168,7 @@ class Hydrodynamics:
         kind: "total", "diffraction" or "froude_krylov". Curves of X exp(-ik·x_b): without the phase of the wave's
         arrival at the body they are smooth, but for the water's resonances.
         """
-        omega, (low, high) = np.atleast_1d(np.asarray(omega, float)), self.omega[[0, -1]]
-        # A band that ends on the grid may miss it by rounding.
-        if omega.min() < low * (1 - 1e-9) or omega.max() > high * (1 + 1e-9):
-            raise InputError("omega", (omega.min(), omega.max()), f"must be within {low:.6g} to {high:.6g} rad/s")
-        values = _values(self, Bits(omega))
+        values = _values(self, Bits(np.atleast_1d(np.asarray(omega, float))))
         return values.diffraction + values.froude_krylov if kind == "total" else getattr(values, kind)
 
     def impedance(self, omega: np.ndarray) -> np.ndarray:
@@ -186,6 +182,7 @@ class Hydrodynamics:
         """
         if self.far_field is None:
             raise InputError("coefficients", "no far field", "must be boundary elements that were asked for one")
+        _require_solved(self, omega)
         origin, radiated, scattered = self.far_field
         k = wavenumbers(omega, self.depth, self.gravity)
         there = amplitude * np.exp(1j * k * (origin @ [np.cos(self.heading), np.sin(self.heading)]))
@@ -246,8 +243,17 @@ def _curves(h: Hydrodynamics) -> Curve:
     return h.curve(np.concatenate([Z.reshape(len(Z), -1), h.diffraction * without, h.froude_krylov * without], axis=1))
 
 
+def _require_solved(h: Hydrodynamics, omega: np.ndarray) -> None:
+    """Refuse frequencies (nw',) beyond those solved for."""
+    low, high = h.omega[[0, -1]]
+    # A band that ends on the grid may miss it by rounding.
+    if not np.all((omega >= low * (1 - 1e-9)) & (omega <= high * (1 + 1e-9))):
+        raise InputError("omega", (omega.min(), omega.max()), f"must be within {low:.6g} to {high:.6g} rad/s")
+
+
 @lru_cache(maxsize=SEAS)
 def _values(h: Hydrodynamics, omega: Bits[np.ndarray]) -> _Values:
+    _require_solved(h, omega.value)
     n = len(h.added_mass_inf)
     Z, *forces = np.split(shared(_curves(h)(omega.value)), [n * n, n * n + n], axis=1)
     arrival = h.arrival(omega.value)

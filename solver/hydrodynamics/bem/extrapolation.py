@@ -100,8 +100,8 @@ def _at_least(share: float, x: np.ndarray, off: np.ndarray) -> np.ndarray:
 def of_edges(hulls: tuple[Hull, ...], counts: tuple[int, ...], *, narrow: bool) -> float:
     """What two meshes, the coarser of these counts, leave of the error, over the step from the finer to their limit.
 
-    At an edge that turns by α the error of even panels goes as h^p, see `edges`; of 2^p - 1 parts the limit for an
-    error ~ h² takes three. Of panels as wide as ours p is 1.0 to 1.2 of boxes, 1.3 to 1.5 where α is 50 degrees. To
+    At an edge that turns by α the error of even panels goes as h^p, see `edges`; of three parts the limit for an
+    error ~ h² takes 2^p - 1. Of panels as wide as ours p is 1.0 to 1.2 of boxes, 1.3 to 1.5 where α is 50 degrees. To
     take the limit by that order is no way out: added mass and damping would not be of one cause, nor damping of the
     waves far off. Panels narrower at edges leave NARROWED as much; those of a dense mesh made coarser IRREGULAR.
     """

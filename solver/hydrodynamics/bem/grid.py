@@ -3,7 +3,7 @@
 import numpy as np
 
 from solver.hydrodynamics.bem.table import clear
-from solver.hydrodynamics.hull.mesh import Hull
+from solver.hydrodynamics.hull.mesh import PANELS, Hull
 from solver.sea.dispersion import first_solved
 
 # Of the wavenumber times a panel's side: up to here coefficients err by 2 % of the added mass at most, at 2.5 by 80 %
@@ -19,7 +19,7 @@ def frequency_grid(
     gravity: float = 9.81,
     count: int = 40,
     band: tuple[float, float] | None = None,
-    panels: int = 432,
+    panels: int = PANELS,
     interaction: bool = True,
 ) -> np.ndarray:
     """Frequencies [rad/s] from Ka = 0.02 (or kh = SHALLOWEST) to Ka = 10, K = ω²/g, a a radius; and all of `band`.
@@ -40,7 +40,7 @@ def frequency_grid(
     apart = np.linalg.norm(at[:, None] - at, axis=-1).max() if interaction else 0.0
     # Grid points divide the integral of their density evenly, so that the spacing varies smoothly.
     omega = np.linspace(low, high, 4001)
-    density = (count - 1) / (high - low) + 0.0 * omega
+    density = np.full_like(omega, (count - 1) / (high - low))
     density = np.maximum(density, 4 * apart / gravity * omega / (1 + (omega / resolved) ** 16))
     index = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(omega))])
     grid = np.interp(np.linspace(0, index[-1], int(np.ceil(index[-1] - 1e-6)) + 1), index, omega)

@@ -76,7 +76,7 @@ class Problem:
         """Checked, see require_solvable; frequencies as frequency_grid chooses them unless given."""
         at = np.asarray(centres, float).reshape(-1, 3)
         if omega is None:
-            omega = frequency_grid(hulls, at, depth=depth, gravity=gravity, interaction=interaction)
+            omega = frequency_grid(hulls, at, depth=depth, gravity=gravity, panels=panels, interaction=interaction)
         grid = np.asarray(omega, float)
         require_solvable(hulls, at, depth, grid, gravity, panels, interaction=interaction)
         return cls(

@@ -1,4 +1,4 @@
 """Shapes of hulls: bodies of revolution, panel meshes, files of meshes, and meshes for the boundary elements.
 
-Geometry and hydrostatics alone: imports `errors`, and capytaine's readers for `meshfile`.
+Geometry and hydrostatics alone: imports `errors`, `quantities` and, for `meshfile`, capytaine's readers.
 """

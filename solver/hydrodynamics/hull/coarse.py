@@ -15,7 +15,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
-from solver.hydrodynamics.hull.mesh import halved_count
+from solver.hydrodynamics.hull.mesh import halved_count, indexed
 from solver.hydrodynamics.hull.original import AT_CORNER, FREE, ON_EDGE, Original, Point, key, point
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 
@@ -65,8 +65,7 @@ def _coarse(hull: PanelHull, count: int, planes: tuple[int, ...]) -> PanelHull:
     for axis in planes:
         sign = np.where(np.arange(3) == axis, -1.0, 1.0)
         base, finer = (np.concatenate([p, (p * sign)[:, [0, 2, 1, 1]]]) for p in (base, finer))
-    faces = np.tile([0, 1, 2, 2], (len(base), 1)) + 4 * np.arange(len(base))[:, None]
-    return replace(PanelHull.of(base.reshape(-1, 3), faces, name=hull.name), finer=finer)
+    return replace(PanelHull.of(*indexed(base), name=hull.name), finer=finer)
 
 
 def _part(hull: PanelHull, planes: tuple[int, ...]) -> np.ndarray:

@@ -15,7 +15,7 @@ from solver.hydrodynamics.hull.surface import merged, mirrored
 
 Hull = Revolution | PanelHull
 
-PANELS = 432  # a body, of the finer of the boundary elements' two meshes, where no more are asked for
+PANELS = 432  # a body, of the finest of the boundary elements' meshes, where no more are asked for
 ON_PLANE = 1e-9  # [m]
 LONGER = 1.2
 LEAST_PLATE = 0.05  # of a mesh's wetted surface, from which on its thin parts are plates
@@ -53,7 +53,8 @@ def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -
     z = np.minimum(z, 0.0)  # the waterline may come out above by rounding
     points = np.column_stack([r * np.cos(azimuth), r * np.sin(azimuth), z])
     points[:, :2] *= _polygon_scale(half)
-    points[:, 2] *= hull.volume / (4 * _volume(points, faces))
+    # First triangles, then the others: in another order vertices, and all coefficients, have other last digits.
+    points[:, 2] *= hull.volume / (4 * sum(surface.volume(points[faces[:, c]]) for c in ([0, 1, 2, 2], [0, 2, 3, 3])))
     return _copied(points, faces, quarters)
 
 
@@ -296,16 +297,6 @@ def _quarter(rings: np.ndarray, half: int) -> tuple[np.ndarray, np.ndarray, np.n
 def _cells(grid: np.ndarray) -> np.ndarray:
     """Quadrilaterals of a lattice of vertex numbers, wound so that hull normals point out."""
     return np.column_stack([g.ravel() for g in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])])
-
-
-def _volume(points: np.ndarray, faces: np.ndarray) -> float:
-    """Volume below z = 0 over a quarter's panels [m³], ∮ z n_z dS on the two triangles of each."""
-    total = 0.0
-    for corners in ([0, 1, 2], [0, 2, 3]):
-        a, b, c = np.moveaxis(points[faces[:, corners]], 1, 0)
-        normal = np.cross(b - a, c - a) / 2
-        total += float(np.sum((a + b + c)[:, 2] / 3 * normal[:, 2]))
-    return total
 
 
 def _copied(points: np.ndarray, faces: np.ndarray, quarters: int) -> tuple[np.ndarray, np.ndarray]:

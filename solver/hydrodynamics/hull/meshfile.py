@@ -1,7 +1,7 @@
 """Panel meshes from the content of a file: STL, WAMIT's GDF, Nemoh's .dat, HydroStar's .hst, Wavefront's OBJ, and what
 capytaine reads besides.
 
-Every reader gives vertices (nv, 3) [m] and faces (nf, 4); a triangle repeats its last vertex.
+Every reader gives vertices (nv, 3) [m] and faces (nf, 4); a triangle gives one corner twice in a row.
 Symmetry that a format declares is unfolded here. Nothing is judged: see `surface`.
 """
 
@@ -81,7 +81,7 @@ def _gdf(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
         raise ValueError(f"{numbers.size} coordinates, {count} panels need {12 * count}")
     unit = FOOT if FEET[0] < gravity < FEET[1] else 1.0
     faces = np.arange(4 * count).reshape(-1, 4)
-    return _unfolded(numbers.reshape(-1, 3) * unit, _triangles_last(numbers.reshape(-1, 4, 3), faces), isx, isy)
+    return _unfolded(numbers.reshape(-1, 3) * unit, faces, isx, isy)
 
 
 def _nemoh(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
@@ -90,7 +90,7 @@ def _nemoh(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
     ends = [i for i, row in enumerate(rows[1:], 1) if float(row[0]) == 0]
     vertices = np.array([row[1:4] for row in rows[1 : ends[0]]], float)
     faces = np.array([row[:4] for row in rows[ends[0] + 1 : ends[1] if len(ends) > 1 else None]], int) - 1
-    return _unfolded(vertices, _triangles_last(vertices[faces], faces), 0, int(rows[0][1]))
+    return _unfolded(vertices, faces, 0, int(rows[0][1]))
 
 
 def _hydrostar(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
@@ -118,7 +118,7 @@ def _hydrostar(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
                 case [word, *values] if word not in HEADER and word[0] not in "#!":
                     planes = max(planes, _planes(word, values))
     vertices, panels = np.array(points, float).reshape(-1, 3), np.array(faces, int).reshape(-1, 4)
-    return _unfolded(vertices, _triangles_last(vertices[panels], panels), planes == 2, planes > 0)
+    return _unfolded(vertices, panels, planes == 2, planes > 0)
 
 
 def _planes(word: str, values: list[str]) -> int:
@@ -149,7 +149,7 @@ def _obj(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
                 case ["v" | "f" | "surf" | "call" as word, *values]:
                     raise ValueError(f"{word} with {len(values)} values is not known here")
     vertices, panels = np.array(points, float).reshape(-1, 3), np.array(faces, int).reshape(-1, 4)
-    return vertices, _triangles_last(vertices[panels], panels)
+    return vertices, panels
 
 
 def _counted(number: int, count: int) -> int:
@@ -214,13 +214,6 @@ READERS = {"stl": _stl, "gdf": _gdf, "dat": _nemoh, "hst": _hydrostar, "obj": _o
 
 def _text(data: bytes) -> str:
     return data.decode("utf-8", errors="replace")
-
-
-def _triangles_last(corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Faces (nf, 4) in which a repeated corner is the last: triangles may repeat any neighbour."""
-    same = np.all(corners == np.roll(corners, -1, axis=1), axis=2)  # corner i and the next
-    shift = np.where(same.any(axis=1), same.argmax(axis=1) - 2, 0)
-    return faces[np.arange(len(faces))[:, None], (np.arange(4) + shift[:, None]) % 4]
 
 
 def _unfolded(vertices: np.ndarray, faces: np.ndarray, x: int, y: int) -> tuple[np.ndarray, np.ndarray]:

@@ -1,11 +1,11 @@
 """Hulls of any shape as closed panel meshes, and their hydrostatics, exact on the polyhedron.
 
-Body coordinates as in `hull`: z = 0 the still-water plane at rest, x and y from the reference point.
+Body coordinates: z = 0 the still-water plane at rest, x and y from the reference point.
 """
 
-import warnings
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from hashlib import sha256
 
 import numpy as np
 import scipy  # spatial is slow to import, and the command line needs scenes but rarely meshes
@@ -20,10 +20,6 @@ ROUND = 16  # corners on a circle of what counts as round
 LEAST = 1e-8  # of the extent cubed: volume that upright walls alone may seem to have by rounding
 
 
-class MeshWarning(UserWarning):
-    """A mesh that had to be mended, or that is not closed."""
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PanelHull:
     """A surface of triangles and quadrilaterals about a body, normals into the water."""
@@ -35,14 +31,6 @@ class PanelHull:
     notes: tuple[str, ...] = ()  # what was mended
     name: str = "mesh"  # of its file
     finer: np.ndarray | None = None  # (n, 4, 3) [m] wetted panels with sides half as long; None: by halving them
-
-    @classmethod
-    def read(cls, name: str, data: bytes) -> "PanelHull":
-        """The hull in a file's content; the extension of `name` tells the format. Warns of what was mended."""
-        hull = cls.of(*meshfile.read(name, data), name=name)
-        for note in hull.notes:
-            warnings.warn(f"{name}: {note}", MeshWarning, stacklevel=2)
-        return hull
 
     @classmethod
     def of(cls, vertices: np.ndarray, faces: np.ndarray, *, name: str = "mesh") -> "PanelHull":
@@ -88,14 +76,16 @@ class PanelHull:
         return replace(self, vertices=self.vertices + by, holes=self.holes + by, finer=finer)
 
     def __eq__(self, other: object) -> bool:
-        return (
-            type(other) is PanelHull
-            and np.array_equal(self.vertices, other.vertices)
-            and np.array_equal(self.faces, other.faces)
-        )
+        return type(other) is PanelHull and self._digest == other._digest
 
     def __hash__(self) -> int:
-        return hash((self.vertices.tobytes(), self.faces.tobytes()))
+        return hash(self._digest)
+
+    @cached_property
+    def _digest(self) -> bytes:
+        """Of what tells hulls apart, the same in every process; -0.0 is 0.0."""
+        parts = [self.vertices, self.faces] + ([] if self.finer is None else [self.finer])
+        return sha256(b"".join((part + 0.0).tobytes() for part in parts)).digest()
 
     @cached_property
     def panels(self) -> np.ndarray:
@@ -107,13 +97,13 @@ class PanelHull:
         """The panels below still water (n, 4, 3) [m], cut there."""
         return surface.below(self.panels)
 
-    def surface_points(self, size: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+    def surface_points(self) -> tuple[np.ndarray, np.ndarray]:
         """Quadrature of the wetted surface at rest: points (np, 3) [m] and outward areas n dS (np, 3) [m²].
 
-        The middles of all triangles' sides: exact for polynomials of the second degree. size: of the
-        panels' sides at most [m], a tenth of the wetted part's extent by default.
+        The middles of all triangles' sides: exact for polynomials of the second degree. Sides of
+        panels are a tenth of the wetted part's extent at most.
         """
-        pieces = surface.split(self.wetted, size or np.ptp(self.wetted.reshape(-1, 3), axis=0).max() / 10)
+        pieces = surface.split(self.wetted, np.ptp(self.wetted.reshape(-1, 3), axis=0).max() / 10)
         return _midpoints(pieces)
 
     @cached_property

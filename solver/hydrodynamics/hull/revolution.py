@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from solver.errors import InputError
 from solver.quantities import require_positive
 
-LINE, ARC = 0.0, 1.0
+ALONG, AROUND = 24, 64  # points at which the wetted surface is summed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -191,11 +191,13 @@ class Revolution:
     def profile(cls, points: Sequence[tuple[float, float]]) -> "Revolution":
         """Straight lines through points (r, z) [m], upwards along the outside; flat to the axis at both ends."""
         line = [(float(r), float(z)) for r, z in points]
+        if not line:
+            raise InputError("hull.points", "[]", "must be two points at least")
         ends = ([(0.0, line[0][1])] if line[0][0] else []), ([(0.0, line[-1][1])] if line[-1][0] else [])
         line = ends[0] + line + ends[1]
         for (r, z), after in zip(line[1:-1], line[2:], strict=True):
             if not r > 0 or (r, z) == after:
-                raise InputError("hull.points", (r, z), "must be off the axis, r > 0 m, and unlike the one before")
+                raise InputError("hull.points", (r, z), "must be off the axis, r > 0 m, and unlike the one after")
         if not line[0][1] < 0 < line[-1][1]:
             raise InputError(
                 "hull.points", f"z from {line[0][1]:g} to {line[-1][1]:g}", "must begin below and end above z = 0 m"
@@ -209,37 +211,23 @@ class Revolution:
             raise InputError("hull.points", through[1], "must not pass through still water, z = 0 m, a second time")
         return cls(meridian=tuple(Segment(start=a, end=b) for a, b in pieces))
 
-    def segments(self) -> np.ndarray:
-        """Meridian for kernels, (ns, 8): kind (0 line, 1 arc), r0, z0, r1, z1, zc, R, 0.
-
-        Arc angles: phi0 = arctan2(r0, zc - z0), phi1 = arctan2(r1, zc - z1). Lines have zc = R = 0.
-        """
-        return np.array(
-            [
-                (LINE, *s.start, *s.end, 0.0, 0.0, 0.0)
-                if s.centre is None
-                else (ARC, *s.start, *s.end, s.centre, s.radius, 0.0)
-                for s in self.meridian
-            ]
-        )
-
     def wetted(self) -> tuple[Segment, ...]:
         """The meridian below still water, bottom pole to waterline."""
         cut = (s.below_water() for s in self.meridian)
         return tuple(s for s in cut if s is not None)
 
-    def surface_points(self, along: int = 24, around: int = 64) -> tuple[np.ndarray, np.ndarray]:
+    def surface_points(self) -> tuple[np.ndarray, np.ndarray]:
         """Quadrature of the wetted surface at rest: points (np, 3) [m] and outward areas n dS (np, 3) [m²].
 
-        `along` Gauss points a segment and `around` even azimuths: exact to rounding for smooth fields.
+        ALONG Gauss points a segment and AROUND even azimuths: exact to rounding for smooth fields.
         """
-        t, w = np.polynomial.legendre.leggauss(along)
-        azimuth = 2 * np.pi * (np.arange(around) + 0.5) / around
+        t, w = np.polynomial.legendre.leggauss(ALONG)
+        azimuth = 2 * np.pi * (np.arange(AROUND) + 0.5) / AROUND
         c, s = np.cos(azimuth), np.sin(azimuth)
         points, areas = [], []
         for segment in self.wetted():
             (r, z), (nr, nz) = segment.at((t + 1) / 2).T[:, :, None], segment.normal((t + 1) / 2).T[:, :, None]
-            area = r * w[:, None] / 2 * segment.length * 2 * np.pi / around
+            area = r * w[:, None] / 2 * segment.length * 2 * np.pi / AROUND
             points.append(np.stack([r * c, r * s, z + 0 * c], axis=-1).reshape(-1, 3))
             areas.append(np.stack([area * nr * c, area * nr * s, area * nz + 0 * c], axis=-1).reshape(-1, 3))
         return np.concatenate(points), np.concatenate(areas)
@@ -319,11 +307,6 @@ class Revolution:
     def centre_of_buoyancy(self) -> float:
         """z of the displaced volume's centroid [m]."""
         return sum(s.moment(1) for s in self.wetted()) / self.volume
-
-    @property
-    def area(self) -> float:
-        """Surface of the whole hull [m²]."""
-        return sum(s.area for s in self.meridian)
 
     @property
     def wetted_area(self) -> float:

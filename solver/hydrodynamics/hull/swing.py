@@ -8,8 +8,8 @@ import numpy as np
 import scipy  # spatial is slow to import, and few scenes have hinged floats so near
 
 from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.hull.revolution import Revolution
 
 STEP = 0.1  # between the angles of a stroke that are looked at, besides its ends [rad]
 AROUND = 24  # panels round a hull of revolution
@@ -17,7 +17,6 @@ ALONG = 6  # and along each segment of its meridian
 ACROSS = 12  # points across the smaller hull
 INSIDE = 0.6  # turns round a point inside another hull, or below the waterplane of one that is open; 1/2 on it
 
-Hull = Revolution | PanelHull
 Vector = tuple[float, ...]
 Stroke = tuple[float, float]
 

@@ -81,23 +81,24 @@ class Meridian(NamedTuple):
 
 
 def quadrature(hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool) -> WettedQuadrature:
-    """Rule with `azimuths` on the full circle; half = only ψ in (0, π), for a hull that does not leave its plane."""
+    """Rule with `azimuths` on the full circle; half = ψ in (0, π), rounded up, for a hull that stays in its plane."""
     rows = []
-    for kind, r0, z0, r1, z1, zc, radius, _ in hull.segments():
-        if kind == 0:
+    for segment in hull.meridian:
+        if segment.centre is None:
+            (r0, z0), (r1, z1) = segment.start, segment.end
             rd, zd = (r1 - r0) / 2, (z1 - z0) / 2
             n_r, n_z = np.array([zd, -rd]) / np.hypot(rd, zd)
             rows.append((0, (r0 + r1) / 2, rd, (z0 + z1) / 2, zd, n_r, n_z))
             continue
-        start, end = np.arctan2(r0, zc - z0), np.arctan2(r1, zc - z1)
+        start, end = segment.angles
         # u -> φ by t = tan is nearly linear only for short arcs: at most a right angle each.
         pieces = int(np.ceil((end - start) / (np.pi / 2) - 1e-9))
         cuts = np.linspace(start, end, pieces + 1)
         for a, b in zip(cuts[:-1], cuts[1:], strict=True):
             mid = (a + b) / 2
-            rows.append((1, zc, radius, np.sin(mid), np.cos(mid), np.tan((b - a) / 4), 0))
+            rows.append((1, segment.centre, segment.radius, np.sin(mid), np.cos(mid), np.tan((b - a) / 4), 0))
     span = np.pi if half else 2 * np.pi
-    count = azimuths // 2 if half else azimuths
+    count = -(-azimuths // 2) if half else azimuths
     psi = (np.arange(count) + 0.5) * span / count
     arc, line = np.polynomial.legendre.leggauss(arc_points), np.polynomial.legendre.leggauss(line_points)
     patch, dpsi = np.array(rows, float), 2 * np.pi / count

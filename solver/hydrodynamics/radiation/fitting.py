@@ -7,7 +7,7 @@ import numpy as np
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.hydrodynamics.radiation.passivity import UNPASSIVE, Constraint, enforce, least_damping, radiates
-from solver.hydrodynamics.radiation.rational import basis, complex_residues, mixed, relocated, starting_poles
+from solver.hydrodynamics.radiation.rational import FEWEST, basis, complex_residues, mixed, relocated, starting_poles
 
 USUAL = 5e-3  # tolerance, where none is asked for
 PAIRS = 30  # of poles, at most
@@ -49,12 +49,14 @@ def fit(
     resolved: (nw,) whether frequencies are close enough to each other to tell what goes on between them, all by
     default: elsewhere no poles are sought, and misfits count UNRESOLVED of that.
     """
-    if not tolerance > 0:
-        raise InputError("memory_tolerance", tolerance, "must be > 0")
+    if not 0 < tolerance < LOST:
+        raise InputError("memory_tolerance", tolerance, f"must be between 0 and {LOST:g}")
     found = samples(omega, added_mass, radiation_damping, added_mass_inf, lengths, body, moved, resolved)
     if found is None:  # as a cylinder in yaw
         none = np.zeros((0, *added_mass_inf.shape), complex)
         return RadiationMemory(beta=np.zeros(0, complex), residue=none, added_mass_inf=added_mass_inf, error=0.0)
+    if found.most < FEWEST:
+        raise SimulationFailed(f"radiation memory: {found.resolved.sum()} frequencies that tell anything are too few")
     looser, known = tolerance, dict[int, float]()
     while looser < LOST:
         memory = found.simplest(tolerance, looser, known)
@@ -218,7 +220,7 @@ class Samples:
         known: misfits that no fit with so many pairs falls below; they are added to.
         """
         best, tolerance = None, looser
-        for pairs in range(2, self.most + 1):
+        for pairs in range(FEWEST, self.most + 1):
             if known.get(pairs, 0.0) > tolerance:
                 continue
             candidate = self.unconstrained(pairs, tolerance)

@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from solver.errors import InputError
+
 NODES = 801  # of B within the band, straight between them
 TAIL = 201  # beyond it, up to FARTHEST times its end
 FARTHEST = 300.0
@@ -138,9 +140,11 @@ def continued(
     It is a spline from B(0) = 0 through the samples, and goes on as a power of ω up to `farthest` times the band's end,
     as its last quarter falls off, within FALL.
     """
+    if len(omega) < 2:
+        raise InputError("omega", list(omega), "must be two frequencies at least")
     inner = np.linspace(0, omega[-1], nodes)
     outer = omega[-1] * np.geomspace(1, farthest, tail)[1:]
-    quarter = len(omega) * 3 // 4
+    quarter = min(len(omega) * 3 // 4, len(omega) - 2)
     fall = np.log(np.maximum(np.abs(B[quarter]), 1e-300) / np.maximum(np.abs(B[-1]), 1e-300))
     fall = np.clip(fall / np.log(omega[-1] / omega[quarter]), *FALL)
     within = CubicSpline(np.concatenate([[0.0], omega]), np.vstack([0 * B[:1], B]))(inner)

@@ -247,8 +247,9 @@ def test_excitation_between_the_frequencies_solved_for():
         error = np.abs(coarse.excitation(middle, kind) - force)[:, [0, 1, 3, 4]]
         assert (error.max(axis=0) / np.abs(force[:, [0, 1, 3, 4]]).max(axis=0)).max() < 5e-3
     assert coarse.excitation(inside[3]) == pytest.approx((coarse.diffraction + coarse.froude_krylov)[3:4])
-    with pytest.raises(InputError, match="within"):
-        coarse.excitation(9.0)
+    for beyond in (coarse.excitation, coarse.impedance):
+        with pytest.raises(InputError, match="within"):
+            beyond(np.array([9.0]))
 
 
 def test_water_that_rings_between_bodies_rings_between_the_frequencies_solved_for():
@@ -405,6 +406,9 @@ def test_no_frequency_is_used_beyond_what_the_mesh_resolves():
     grid = partial(bem.frequency_grid, (big, FLOAT), [[0, 0, 0], [10, 0, 0]], depth=30.0, panels=SMALL)
     top = grid()[-1]
     assert top == pytest.approx(np.sqrt(2 * G / np.sqrt(2 * np.pi * 36 / SMALL)))
+    assert bem.Problem.of((FLOAT,), [[0, 0, 0]], depth=30.0, panels=SMALL).omega[-1] == pytest.approx(
+        np.sqrt(2 * G / np.sqrt(2 * np.pi / SMALL))
+    )
     assert grid(band=(0.5, 4.0))[-1] == 4.0  # what the waves have is solved for all the same, on more panels
     assert bem_problem._counts((big, FLOAT), SMALL, 1.2 * top**2 / G) == (round(1.44 * SMALL), SMALL)
     assert bem_problem._counts((big, FLOAT), SMALL, 100.0) == (6 * SMALL, 6 * SMALL)

@@ -42,6 +42,11 @@ def test_haskind_and_damping_from_the_far_field(ducks):
         assert np.all(np.abs(X - exact).max(axis=0) < 0.02 * np.abs(exact).max(axis=0))
 
 
+def test_waves_beyond_the_frequencies_solved_for_are_refused(ducks):
+    with pytest.raises(InputError, match=r"omega = .* must be within 0.9 to 1.6 rad/s"):
+        ducks[0].waves(np.array([1.7]), np.ones(1), np.zeros((1, 6)))
+
+
 @pytest.mark.parametrize("moving", [0.0, 0.7])
 def test_energy_that_bodies_take_is_missing_far_off(ducks, moving):
     """Whatever they do; ½Re F·V* by pressure, and not a share of it where they are held."""

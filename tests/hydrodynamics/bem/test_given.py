@@ -722,6 +722,9 @@ def test_what_cannot_be_used_is_refused():
     refused(told(**few), match="has 4 different frequencies, needs 8")
     wrong = told().excitation.copy()
     wrong[0, 0, 0] = np.nan
+    for omega in (0.0, np.nan):
+        odd = np.append(told().omega[:-1], omega)
+        refused(told(omega=odd), match=f"has a frequency of {omega:g} rad/s: must be finite and > 0")
     refused(told(excitation=wrong), match="not finite: wave force at 0.6 rad/s, heading 0.3 rad")
     refused(told(first(alone(), 8), added_mass_inf=None), match="no added mass at infinite frequency", **ALONE, **SEA)
     assert refused(told(), match=r"must be within 0.6 to 6.6 rad/s", waves=(0.5, 2.0)).key == "band"

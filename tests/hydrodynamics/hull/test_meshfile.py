@@ -6,17 +6,12 @@ from pytest import approx
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
-from solver.hydrodynamics.hull.panel_hull import PanelHull
-from tests.hydrodynamics.shapes import box, hst, loose, obj
+from tests.hydrodynamics.shapes import box, hst, loose, obj, read
 
 DEMIHULL = box((10.0, 1.5, 2.0), (0.0, 3.0, 0.0))  # 1 m of draft
 BARGE = box((4.0, 2.0, 1.0))
 HALF = surface.below(BARGE[0][BARGE[1]], 1, sign=-1)
 QUARTER = surface.below(HALF, 0, sign=-1)
-
-
-def read(name, text):
-    return PanelHull.read(name, text.encode())
 
 
 @pytest.mark.parametrize("line", ["SYMMETRY_BODY 1 1", "SYMMETRY_BODY  1  1 ", "SYMMETRY 1", "SYMMETRY: 1"])

@@ -11,7 +11,7 @@ from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.coarse import coarse
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from tests.hydrodynamics.pressure.test_wetted_panels import load, turned
-from tests.hydrodynamics.shapes import box, gdf, loose, nemoh, stl
+from tests.hydrodynamics.shapes import box, gdf, loose, nemoh, read, stl
 
 MODEL = 1 / 50
 SHEAR = np.array([[1.0, 0.3, 0.2], [0.15, 1.0, 0.1], [0.1, 0.05, 1.0]])
@@ -76,8 +76,7 @@ def clean(shape, triangles, scale):
 @pytest.mark.parametrize("shape", [pytest.param(n, marks=[pytest.mark.slow] * (n == "skew")) for n in SHAPES])
 def test_corners_a_hair_off_change_nothing(shape, file, scale, noise):
     exact, h = clean(shape, file == "hull.stl", scale)
-    content = FILES[file](noisy(SHAPES[shape], noise) * scale)
-    hull = PanelHull.read(file, content if isinstance(content, bytes) else content.encode())
+    hull = read(file, FILES[file](noisy(SHAPES[shape], noise) * scale))
     assert hull.closed and len(hull.wetted) == len(exact.wetted)
     # Measured 1.2e-4 at most. Of what is no longer symmetric the diagonals are not each other's images either.
     other = file == "hull.stl" and hull.symmetry != exact.symmetry
@@ -104,7 +103,7 @@ def test_an_open_rim_a_hair_off_still_water_is_no_hole(shape, noise):
     assert not len(of(wetted).holes)
     if shape != "skew":
         half = noisy(surface.below(surface.below(SHAPES[shape]), 1, sign=-1), noise)
-        whole = PanelHull.read("half.gdf", gdf(half, isy=1).encode())
+        whole = read("half.gdf", gdf(half, isy=1))
         assert not len(whole.holes) and whole.symmetry[1]
 
 

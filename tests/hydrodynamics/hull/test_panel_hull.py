@@ -1,6 +1,7 @@
 """Hulls from mesh files: what is read, mended, refused, and their hydrostatics."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,10 +10,10 @@ from pytest import approx
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.clearance import borders, openings, slips, touching
-from solver.hydrodynamics.hull.panel_hull import MeshWarning, PanelHull
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
-from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, nemoh, obj, stl
+from tests.hydrodynamics.shapes import box, fine_box, gdf, hst, loose, meshed, nemoh, obj, read, stl
 
 SIZE, CENTRE = (4.0, 2.0, 1.0), (0.5, 0.0, 0.1)  # 0.4 m of draft
 VERTICES, FACES = box(SIZE, CENTRE)
@@ -21,13 +22,9 @@ NOT_FACES = {"hull.stl": stl(PANELS), "words.stl": stl(PANELS, text=True), "hull
 INDEXED = {"hull.dat": nemoh(VERTICES, FACES), "hull.HST": hst(VERTICES, FACES), "hull.obj": obj(VERTICES, FACES)}
 
 
-def data(content):
-    return content if isinstance(content, bytes) else content.encode()
-
-
 @pytest.mark.parametrize("name", [*NOT_FACES, *INDEXED])
 def test_every_format_gives_the_same_box(name):
-    hull = PanelHull.read(name, data((NOT_FACES | INDEXED)[name]))
+    hull = read(name, (NOT_FACES | INDEXED)[name])
     # Single precision of a binary STL: 1e-7 of 4 m.
     assert hull.volume == approx(4 * 2 * 0.4, rel=1e-6)
     assert hull.buoyancy_point == approx([0.5, 0, -0.2], abs=1e-6)
@@ -56,19 +53,36 @@ def test_gdf_symmetry_and_feet(content):
     panels = box(SIZE)[0][FACES]
     half = surface.below(panels, 1, sign=-1)
     # The cut of a closed box leaves no panel in the plane of symmetry.
-    hull = PanelHull.read("a.gdf", data(content(half, surface.below(half, 0, sign=-1))))
+    hull = read("a.gdf", content(half, surface.below(half, 0, sign=-1)))
     assert hull.volume == approx(4.0, rel=1e-8) and hull.symmetry == (True, True) and hull.closed
 
 
 def test_nemoh_symmetry():
     half = surface.below(box(SIZE)[0][FACES], 1)
-    assert PanelHull.read("a.dat", data(nemoh(*loose(half), symmetric=1))).volume == approx(4.0, rel=1e-8)
+    assert read("a.dat", nemoh(*loose(half), symmetric=1)).volume == approx(4.0, rel=1e-8)
 
 
-def test_an_inside_out_mesh_is_turned_with_a_warning():
-    with pytest.warns(MeshWarning, match="inside out"):
-        hull = PanelHull.read("a.stl", data(stl(PANELS[:, ::-1])))
+def test_an_inside_out_mesh_is_turned():
+    hull = read("a.stl", stl(PANELS[:, ::-1]))
+    assert hull.notes == ("the mesh was inside out: its normals were turned into the water",)
     assert hull.volume == approx(3.2, rel=1e-6)
+
+
+def test_equal_hulls_have_one_hash_and_others_differ():
+    hull = PanelHull.of(*box(SIZE)).moved(np.array([2.0, 0.0, 0.0]))  # corners at x = 0
+    equal = replace(hull, vertices=np.where(hull.vertices == 0, -0.0, hull.vertices))
+    assert equal.vertices.tobytes() != hull.vertices.tobytes()
+    assert equal == hull and hash(equal) == hash(hull)
+    assert replace(hull, finer=hull.wetted) != hull
+
+
+@pytest.mark.parametrize("corner", range(4))
+def test_a_triangle_may_repeat_any_corner(corner):
+    """In a half that its format unfolds, too."""
+    half = surface.below(box(SIZE)[0][FACES], 1, sign=-1)
+    turned = np.roll(surface.triangles(half)[:, [0, 1, 2, 2]], corner, axis=1)
+    hull = read("a.gdf", gdf(turned, isy=1))
+    assert hull.volume == approx(4.0) and hull.closed and not hull.notes
 
 
 def test_panels_wound_against_the_others_are_turned():
@@ -221,7 +235,7 @@ def test_a_moebius_strip_is_refused():
 )
 def test_what_cannot_be_read_is_refused_with_the_files_name(name, content):
     with pytest.raises(InputError) as error:
-        PanelHull.read(name, content)
+        read(name, content)
     assert error.value.key == "hull.file" and error.value.value == name
 
 

@@ -1,5 +1,7 @@
 """The wetted-surface quadrature against closed forms, finer rules and invariances."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from pytest import approx
@@ -134,6 +136,11 @@ def test_half_the_azimuths_suffice_in_a_planar_scene(wheeler):
     field = waves()
     whole, half = (load(BUAN, np.array([0, 0, 0.1]), 0.2, field, half=h, wheeler=wheeler) for h in (False, True))
     assert half == approx(whole, abs=1e-9 * abs(whole[2]))
+
+
+def test_half_of_an_odd_number_of_azimuths_is_rounded_up():
+    rule = partial(quadrature, BUAN, arc_points=6, line_points=3, half=True)
+    assert [len(rule(azimuths=n).azimuth) for n in (1, 12, 13)] == [1, 6, 7]
 
 
 def test_small_wave_gives_the_linear_force_and_the_quadratic_rest():

@@ -284,6 +284,15 @@ def test_retardation_carries_the_tail(power, end, kernel):
     assert numeric == pytest.approx(exact, abs={2: 1e-3, 3: 3e-4}[power] * exact[0])
 
 
+def test_retardation_of_a_few_frequencies():
+    """With the tail of the last two; one has none."""
+    for n in (2, 3, 4):
+        omega = np.linspace(0.5, 2.0, n)
+        assert np.all(np.isfinite(retardation(omega, omega**2, np.linspace(0, 6, 13))))
+    with pytest.raises(InputError, match=r"omega .* two frequencies at least"):
+        retardation(np.ones(1), np.ones(1), np.zeros(1))
+
+
 def test_the_transfer_of_a_kernel_by_damping_alone():
     """K = (1 - t) exp(-t)/2 of B = ω²/(1 + ω²)²: Y = -½iω/(1 - iω)²; between, at and below the close points."""
     omega = np.linspace(0.1, 60, 600)
@@ -339,10 +348,17 @@ def test_bodies_at_rest_have_no_memory():
     assert still.added_mass_inf == pytest.approx(np.eye(2))
 
 
-def test_a_tolerance_must_be_positive():
+@pytest.mark.parametrize("tolerance", [0, 1, np.nan])
+def test_a_tolerance_must_be_between_0_and_1(tolerance):
     memory = known()
-    with pytest.raises(InputError, match="memory_tolerance = 0"):
-        fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, 0)
+    with pytest.raises(InputError, match=f"memory_tolerance = {tolerance}: must be between 0 and 1"):
+        fit(OMEGA, *coefficients(memory, OMEGA), memory.added_mass_inf, tolerance)
+
+
+def test_too_few_frequencies_for_a_memory_are_told_so():
+    memory = known()
+    with pytest.raises(SimulationFailed, match="3 frequencies that tell anything are too few"):
+        fit(OMEGA[:3], *coefficients(memory, OMEGA[:3]), memory.added_mass_inf)
 
 
 def many(n, pairs, rank, noise):
