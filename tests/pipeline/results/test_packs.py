@@ -119,6 +119,16 @@ def test_another_process_sees_what_was_added_and_removed(store, tasks):
     assert powers(store, tasks[:3]) == powers(other, tasks[:3]) == [1, 2, 3]
 
 
+def test_a_number_that_became_free_is_not_taken_again(store, tasks):
+    """What is packed last comes last, whatever was removed before it."""
+    keep(store, tasks[:1], [1])
+    keep(store, tasks[1:2], [2])
+    for path in store.packs.folder.glob("000001.*"):
+        path.unlink()
+    keep(Store(store.root.parent, "small"), tasks[1:2], [3])
+    assert powers(Store(store.root.parent, "small"), tasks[1:2]) == [3]
+
+
 def test_the_last_outcome_counts(store, tasks):
     """A later pack before an earlier one; a task's own folder before both, until it is packed again."""
     keep(store, tasks[:2], [1, 2])
