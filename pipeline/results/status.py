@@ -90,8 +90,16 @@ def without_numbers(words: str) -> str:
 def read_status(path: Path) -> Status:
     """The content of a status.json; that of a missing task if it is absent, damaged or of another shape."""
     try:
-        return Status.model_validate_json(path.read_bytes())
-    except (OSError, ValueError):
+        return parsed(path.read_bytes())
+    except OSError:
+        return MISSING
+
+
+def parsed(text: bytes) -> Status:
+    """What a status.json or a line of a pack says; that of a missing task if it is of another shape."""
+    try:
+        return Status.model_validate_json(text)
+    except ValueError:
         return MISSING
 
 

@@ -24,6 +24,8 @@ from pipeline.cli.plan import Estimate
 from pipeline.report.page import facts, html, results_of
 from pipeline.report.report import COLUMNS
 from pipeline.results import dataset
+from pipeline.results.netcdf import Variable
+from pipeline.results.packs import packed
 from pipeline.results.store import Store, remove
 from pipeline.running import schedule
 from pipeline.running.campaign import Campaign, unfinished
@@ -989,6 +991,24 @@ def test_a_plan_does_not_go_by_the_tasks_that_compiled(small, tmp_path, engine):
             store.done(task, b"record", {"wall_time": seconds, "labels": dict(task.labels)})
         estimate.see(task, store.look(task))
     assert "; about 2 min on 1 workers, from 24 tasks done" in estimate.words(tmp_path / "r", 1)
+
+
+def test_a_plan_goes_by_tasks_in_packs(small, tmp_path, engine):
+    """Six of twelve tasks in the frequency domain took 3 s each, of the study itself or of another."""
+    small.write_text(small.read_text() + '\n[solver]\nmethod = "frequency"\n')
+    study, results = load(small), tmp_path / "r"
+    done = [task for task in study.tasks if task.labels["seed"] == 0]
+    rows = packed([({"task": Variable((), np.array(task.id), {})}, {}) for task in done])
+    status = {"wall_time": 3.0}
+    Store(results, "small").keep([(task, row, status) for task, row in zip(done, rows, strict=True)])
+    for name, told in (
+        ("small", "18 s on 1 workers, from 6 tasks done"),
+        ("b", "36 s on 1 workers, from 6 tasks of other"),
+    ):
+        estimate = Estimate()
+        for task in study.tasks:
+            estimate.see(task, Store(results, name).look(task))
+        assert told in estimate.words(results, 1)
 
 
 def test_a_plan_goes_by_tasks_of_the_same_method(small, tmp_path, engine):
