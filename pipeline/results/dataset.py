@@ -130,7 +130,7 @@ def _fingerprint(study: Study, store: Store) -> str:
     Not how long those took: a task run again to the same bits leaves the dataset as it is.
     """
     digest = hashlib.sha256()
-    words = study.content.model_dump(mode="json", include={"sea_states", "title", "variants"})
+    words = study.content.model_dump(mode="json", include={"axes", "sea_states", "title", "variants"})
     digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
     for task in study.tasks.passing("looking at records"):
         entry = store.look(task)
