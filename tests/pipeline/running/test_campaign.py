@@ -887,6 +887,14 @@ def test_every_sea_and_every_configuration_is_judged_before_anything_runs(three_
     assert len(judged) < len(study.tasks)
 
 
+def test_every_frame_is_reduced_once_wherever_its_hinges_are(small, engine):
+    axes = "[axes]\n'platform.damping_ratio' = [0.01, 0.02]\n'floats.front.hinge.0' = [-1.5, -1.6]"
+    small.write_text(small.read_text().replace("[axes]", axes))
+    study, reduced = load(small), []
+    preflight.judge(study, expand(study.content), replace(engine, reduce=reduced.append))
+    assert [p.platform.damping_ratio for p in reduced if p.platform and p.floats] == [0.01, 0.02]
+
+
 def test_odd_and_impossible_seas_are_named_whichever_they_are(three_seas, engine):
     study = load(three_seas)
     for label, height in (("calm", 0.5), ("mild", 1.0), ("rough", 2.0)):
