@@ -26,7 +26,7 @@ from pipeline.results.store import write_atomic
 from pipeline.study.axes import UNCHANGED
 from pipeline.study.schema import StudyFile
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import at_labels, axes, first_labels
+from pipeline.tasks.task import axes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -300,13 +300,11 @@ def _short(label: object) -> str:
 
 
 def _scene(results: Results) -> Figure | None:
-    content = results.study.content
-    return sketch.side_view(at_labels(content, first_labels(content)))
+    return sketch.side_view(results.study.content)
 
 
 def _from_above(results: Results) -> Figure | None:
-    content = results.study.content
-    return arrays.from_above(at_labels(content, first_labels(content)))
+    return arrays.from_above(results.study.content)
 
 
 def _along(dim: str) -> Callable[[Results], Figure | None]:
