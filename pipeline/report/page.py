@@ -21,7 +21,7 @@ from pipeline.report.responses import dashes, responses
 from pipeline.report.template import PAGE
 from pipeline.report.yearly import of_survivors
 from pipeline.results import dataset
-from pipeline.results.status import without_numbers
+from pipeline.results.status import FEW, MANY, without_numbers
 from pipeline.results.store import write_atomic
 from pipeline.study.axes import UNCHANGED
 from pipeline.study.schema import StudyFile
@@ -31,7 +31,6 @@ from pipeline.tasks.task import axes
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MANY, FEW = 20, 3  # reasons that are told, and tasks of each that are named
 VERSION = "version_"
 
 

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import from_json
 
 NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(\.\d+)?([eE][+-]?\d+)?(?!\w)")  # and no part of a name
+MANY, FEW = 20, 3  # reasons that are told, and tasks of each that are named
 # A simulated or measured time [s].
 Seconds = Annotated[float, Field(ge=0.0)]
 
