@@ -227,14 +227,6 @@ class Store:
         except OSError:
             return False
 
-    def done(self, task: Task, record: bytes, status: dict[str, Any]) -> None:
-        """Keep a task's record."""
-        self.keep([(task, record, status)])
-
-    def failed(self, task: Task, status: dict[str, Any]) -> None:
-        """Keep why a task failed."""
-        self.keep([(task, None, status)])
-
     def keep(self, outcomes: Sequence[tuple[Task, bytes | Row | None, dict[str, Any]]]) -> None:
         """Keep records, and failures without one: all flushed to the disk at once, each whole or not at all.
 

@@ -134,9 +134,9 @@ def test_the_last_outcome_counts(store, tasks):
     keep(store, tasks[:2], [1, 2])
     keep(store, tasks[1:3], [5, 6])
     assert powers(store, tasks[:3]) == [1, 5, 6]
-    store.failed(tasks[1], ERROR)
+    store.keep([(tasks[1], None, ERROR)])
     assert states(store, tasks[:3]) == ["done", "failed", "done"]
-    store.done(tasks[2], b"cut", {})
+    store.keep([(tasks[2], b"cut", {})])
     store.look(tasks[2]).record.write_bytes(b"cu")
     assert states(store, tasks[:3]) == ["done", "failed", "damaged"]
     keep(store, tasks[1:3], [7, 8])

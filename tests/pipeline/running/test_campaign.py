@@ -818,7 +818,8 @@ def test_a_failure_alone_makes_the_dataset_anew(small, tmp_path):
     for _ in range(2):
         with xr.open_dataset(dataset.current(study, store)) as data:
             states.append(sorted(set(data.status.values.ravel())))
-        store.failed(next(iter(study.tasks)), {"error": {"kind": "ValueError", "message": "too much", "traceback": ""}})
+        error = {"kind": "ValueError", "message": "too much", "traceback": ""}
+        store.keep([(next(iter(study.tasks)), None, {"error": error})])
     assert states == [["missing"], ["failed", "missing"]]
 
 
@@ -984,7 +985,7 @@ def test_a_plans_time_is_shared_by_its_workers(small, tmp_path, engine, workers,
     estimate = Estimate()
     for task in study.tasks:
         if task.labels["seed"] == 0:
-            store.done(task, b"record", {"wall_time": 10.4, "labels": dict(task.labels)})
+            store.keep([(task, b"record", {"wall_time": 10.4, "labels": dict(task.labels)})])
         estimate.see(task, store.look(task))
     assert f"; {time} on {workers} workers, from 6 tasks done" in estimate.words(tmp_path / "r", workers)
 
@@ -996,7 +997,7 @@ def test_a_plan_does_not_go_by_the_tasks_that_compiled(small, tmp_path, engine):
     for task in study.tasks:
         if (seed := task.labels["seed"]) < 4:
             seconds = 10.4 if seed else 1000.0
-            store.done(task, b"record", {"wall_time": seconds, "labels": dict(task.labels)})
+            store.keep([(task, b"record", {"wall_time": seconds, "labels": dict(task.labels)})])
         estimate.see(task, store.look(task))
     assert "; about 2 min on 1 workers, from 24 tasks done" in estimate.words(tmp_path / "r", 1)
 
@@ -1025,7 +1026,7 @@ def test_a_plan_goes_by_tasks_of_the_same_method(small, tmp_path, engine):
     other.write_text(small.read_text() + '\n[solver]\nmethod = "frequency"\n')
     store, results = Store(tmp_path / "r", "small"), tmp_path / "r"
     for task in load(small).tasks:
-        store.done(task, b"record", {"wall_time": 1e6, "labels": dict(task.labels)})
+        store.keep([(task, b"record", {"wall_time": 1e6, "labels": dict(task.labels)})])
     for path, told in (
         (other, "; about 0 s on 1 workers, at 10 ms a task"),
         (other.with_name("again.toml"), "from 12 tasks of other studies"),
