@@ -1,4 +1,4 @@
-"""What must be set in a process before numpy and numba are imported in it."""
+"""A process and where it runs: what is set before numpy and numba are imported, folders, and digests of the sources."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class PtoTable:
     """Load of a power take-off by the rate of its axis, which it is against: straight lines, level beyond their ends.
 
     From rate 0 on it is for both senses alike. With positions it is bilinear between them, and level beyond, too; it
-    may then give power, and have a load at rest.
+    may then give power and, where rates begin below 0, have a load at rest.
     """
 
     velocity: Annotated[tuple[float, ...], Quantity("rad/s or m/s"), "Rates of the axis, increasing"]

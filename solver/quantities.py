@@ -18,6 +18,7 @@ BOUNDS = (
     ("above", ">", operator.gt), ("least", ">=", operator.ge),
     ("below", "<", operator.lt), ("most", "<=", operator.le),
 )  # fmt: skip
+PerAxis = float | tuple[float, ...]  # of a joint: a number for its only axis, or one for each
 
 
 @dataclass(frozen=True, slots=True)

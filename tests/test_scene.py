@@ -34,6 +34,7 @@ def two(apart, **changes):
             lambda _: one(inertia=(1.0, 2.0, 3.1)),
             "floats.a.inertia = (1.0, 2.0, 3.1): must meet the triangle inequality",
         ),
+        (lambda _: one(damping=()), "floats.a.damping = (): needs one number for each of heave"),
         (lambda _: one(motion=("yaw", "yaw")), "floats.a.motion = ('yaw', 'yaw'): must name each axis once, of hinge,"),
         (
             lambda _: one(motion=("hinge",), axis=(0, 0, 2), arm=(0, 0, 1)),

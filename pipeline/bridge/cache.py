@@ -6,6 +6,7 @@ netCDF has no complex numbers; as capytaine does, they get a last dimension `com
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -206,7 +207,8 @@ class Cache:
         known = read_json(mark) or {}
         whole = {k: total for k, total in sums.items() if total and (known.get(k) == total or self.get(k) is not None)}
         if whole != known:
-            write_json(mark, whole)
+            with contextlib.suppress(OSError):  # it saves time alone, and the folder may be for reading only
+                write_json(mark, whole)
         return sums.keys() - whole.keys()
 
     def get(self, key: str) -> bytes | None:

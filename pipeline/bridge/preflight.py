@@ -10,6 +10,7 @@ from pipeline.bridge.checks import MOST_NAMED
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.objections import objections
 from pipeline.bridge.sea_checks import of_sea
+from pipeline.study.layout import HINGE
 from pipeline.study.reading import StudyError
 from pipeline.study.seas import Components, Regular, Still
 from pipeline.tasks.study import Study
@@ -35,17 +36,26 @@ def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
             met |= fresh
         sea = task.labels["sea_state"]
         seas.setdefault((sea, *(labels if sea in still else ())), task)  # which some methods are not for
-    platforms = {(task.labels["platform"], task.parameters.solver): task for task in distinct.values()}
+    platforms = {
+        (task.labels["platform"], task.parameters.solver, _frame(task.parameters)): task for task in distinct.values()
+    }
     odd: dict[str, set[str]] = {}
     every = {task.id: task for task in (*distinct.values(), *seas.values())}
     problems = [problem for task in every.values() for problem in _problems(_Listener(engine, task, odd), task)]
-    # A frame takes 0.4 s to reduce, so with the same settings one stands for all hinge spacings.
+    # A frame takes 0.4 s to reduce, so with the same settings one stands for all places of hinges.
     problems = problems or [problem for task in platforms.values() for problem in _problems(engine.reduce, task)]
     warnings = [f"{_where(study, every.values(), said, text)}{text}" for text, said in odd.items()]
     if problems:
         told = [*problems, *(f"warning: {text}" for text in warnings)]  # which may be why
         raise StudyError(study.path, dict.fromkeys(told))
     return warnings
+
+
+def _frame(parameters: Parameters) -> str:
+    """The table of the platform, wherever hinges are; empty without one."""
+    if (table := parameters.platform) is None:
+        return ""
+    return table.model_dump_json(exclude={"nodes": {name for name in table.nodes if name.startswith(HINGE)}})
 
 
 def _where(study: Study, tasks: Iterable[Task], said: set[str], text: str) -> str:

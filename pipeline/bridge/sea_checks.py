@@ -179,8 +179,10 @@ def _spacing(sea: SeaState, waves: Waves) -> float:
         omega = realizations.realize(sea, waves, (0,)).omega
         return min((float(b - a) for a, b in itertools.pairwise((0.0, *omega))), default=math.inf)
     span = seas.frequencies(sea, waves) or (0.0, math.inf)
+    width = (span[1] - span[0]) / waves.components
     # Random intervals have edges up to 0.4 of a width from even ones, and their middles half of that each.
-    return (span[1] - span[0]) / waves.components * (0.6 if waves.intervals == "random" else 1.0)
+    apart, first = (0.6, 0.3) if waves.intervals == "random" else (1.0, 0.5)
+    return min(apart * width, span[0] + first * width)
 
 
 def of_sea(error: InputError, key: str, sea: SeaState) -> InputError:

@@ -34,19 +34,17 @@ def preflight(study: Study, tasks: Tasks) -> None:
         from pipeline.report.report import published
 
         published(study.published)
-    bends = _bends(study.content)
-    if not environment.compiled(bends):
-        laws = " and, apart, for joints' laws that bend" if bends else ""
-        say(f"compiling the solver: a few minutes, once for each state of its sources{laws}", err)
     for text in judge(study, tasks.passing(), Engine()):
         say(f"{study.path}: warning: {text}", err)
 
 
-def _bends(content: StudyFile) -> bool:
-    """Whether a march of the study may need laws that bend, as its keys tell."""
-    given = {name for item in content.floats for name in item.model_fields_set}
-    given |= {part for axis in content.varied for path in axis.keys for part in path.split(".")}
-    return bool(given & BENT) and (content.solver.method == "time" or "method" in given)
+def tell_of_compiler(content: StudyFile) -> None:
+    """Where the study's marches, which its keys tell of, are yet to be compiled: a run is silent meanwhile."""
+    varied = {part for axis in content.varied for path in axis.keys for part in path.split(".")}
+    bends = bool(BENT & varied.union(*(item.model_fields_set for item in content.floats)))
+    if (content.solver.method == "time" or "method" in varied) and not environment.compiled(bends):
+        laws = " and, apart, for joints' laws that bend" if bends else ""
+        say(f"compiling the solver: about a minute, once for each state of its sources{laws}", err)
 
 
 def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> None:
@@ -56,6 +54,7 @@ def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> None:
     todo = tasks.where(lambda task: store.look(task).state in UNFINISHED)
     if todo:
         warm_up(len(todo), place)
+        tell_of_compiler(study.content)
         preflight(study, todo)
 
 
@@ -89,6 +88,7 @@ def run(
 
 def rerun(study: Study, store: Store, results: Path, tasks: Tasks, place: Place) -> int:
     """Run tasks again and compare; the exit status."""
+    tell_of_compiler(study.content)
     with store.lock(lambda text: say(text, err)):
         old = {task.id: _record(store, task) for task in tasks}
         run(study, store, results, tasks, place)

@@ -155,7 +155,7 @@ def status(
     watch: Annotated[bool, typer.Option("--watch", help="Until nothing is missing")] = False,
     every: Annotated[float, typer.Option(min=0.1, metavar="SECONDS", help="Pause of --watch")] = 2.0,
 ) -> None:
-    """How far a study is, from files alone; exit status 0 done, 1 failed, 2 incomplete."""
+    """How far a study is, from files alone; exit status 0 done or stale, 1 failed, 2 incomplete."""
     study, tasks, store = _open(study_file, results)
     last = ""
     while True:

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from pipeline import environment
 from pipeline.results.netcdf import Variable
-from pipeline.results.status import without_numbers
+from pipeline.results.status import FEW, MANY, without_numbers
 from pipeline.results.store import Entry, Store
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
@@ -20,8 +20,6 @@ from pipeline.tasks.tasklist import Tasks
 from pipeline.terminal import err, out
 
 DONE, FAILED, INCOMPLETE = 0, 1, 2
-MANY = 20  # reasons of failures that are listed
-FEW = 3  # tasks that are listed of each reason, and that did not meet what was asked
 
 
 def say(text: str, console: Console = out) -> None:

@@ -11,12 +11,13 @@ from statistics import median
 
 from pipeline.bridge.cache import Cache
 from pipeline.bridge.geometry import Geometry, bem_pace, bem_time, geometry_of
-from pipeline.results.status import Status, read_status
+from pipeline.results.packs import lines
+from pipeline.results.status import Status, parsed, read_status
 from pipeline.results.store import Entry
 from pipeline.tasks.task import Label, Task
 from pipeline.terminal import about
 
-SAMPLE = 200  # tasks of other studies looked at
+SAMPLE = 200  # tasks of other studies looked at, of those in packs and of the others
 KEPT = 10_000  # tasks of a kind whose times are known, the last ones
 SOLUTIONS = 20  # whose times are reckoned; others take as long in the mean
 # Of Buan, on the safe side, where nothing is known of this machine and study.
@@ -65,14 +66,15 @@ class Estimate:
         source = "tasks done"
         if not self.past:
             source = "tasks of other studies"
-            for status in itertools.islice(_others(results), SAMPLE):
+            for status in _others(results):
                 self._ran(status)
         methods = {method for method, _ in self.work}
         count = sum(len(rates) for (method, _), rates in self.past.items() if method in methods)
         usual = f"{REAL_TIME} times real time" if "time" in methods else f"{1e3 * A_TASK:g} ms a task"
         origin = f"from {count} {source}" if count else f"at {usual}, for there is no past run"
         time = f"{about(self._seconds() / workers)} on {workers} workers, {origin}"
-        fresh = {one.radiating for one in self.geometries if Cache(results).get(one.key) is None}
+        known = Cache(results)
+        fresh = {one.radiating for one in self.geometries if known.get(one.key) is None}
         bem = f" after {len(fresh)} boundary element solutions, {about(_effort(fresh) / workers)}" if fresh else ""
         return f"to run: {self.left} tasks{bem}; {time}"
 
@@ -105,6 +107,7 @@ def _effort(fresh: Collection[Geometry]) -> float:
 
 
 def _others(results: Path) -> Iterator[Status]:
-    for path in results.glob("*/tasks/*/status.json"):
-        if (status := read_status(path)).state == "done":
-            yield status
+    alone = (read_status(path) for path in results.glob("*/tasks/*/status.json"))
+    packed = (parsed(line) for path in results.glob("*/packs/*.jsonl") for line in lines(path))
+    for statuses in (alone, packed):
+        yield from itertools.islice((status for status in statuses if status.state == "done"), SAMPLE)

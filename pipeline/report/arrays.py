@@ -12,10 +12,10 @@ from pipeline.report.along import VARIANT
 from pipeline.report.drawing import COLOURS, FAINT, INK, STEEL, canvas, colour
 from pipeline.report.figures import Results
 from pipeline.report.report import first_platform
+from pipeline.report.sketch import first_scene
 from pipeline.study.floats import Float
-from pipeline.study.layout import hinge_nodes
 from pipeline.study.schema import StudyFile
-from pipeline.tasks.task import at_labels, firsts
+from pipeline.tasks.task import Parameters, at_labels, firsts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,29 +30,28 @@ DIGITS = 6  # of distances between anchors and floats [m], which differences of 
 
 def from_above(study: StudyFile) -> Figure | None:
     """The floats of a scene that has several, to scale, and the way the waves go."""
-    floats = [item for item in study.floats if item.name not in study.left_out]
-    if len(floats) < 2:
+    scene = first_scene(study)
+    if len(scene.floats) < 2:
         return None
     figure = canvas(6.5, 5.0)
     axes = figure.add_subplot()
-    for start, end in _members(study):
+    for start, end in _members(scene):
         axes.plot([start[0], end[0]], [start[1], end[1]], color=STEEL, linewidth=1.2, zorder=1)
-    for index, item in enumerate(floats):
+    for index, item in enumerate(scene.floats):
         _draw_float(axes, item, colour(index))
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(MARGIN)
     axes.grid(visible=False)
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    _draw_waves(axes, study.waves.heading)
+    _draw_waves(axes, scene.waves.heading)
     return figure
 
 
-def _members(study: StudyFile) -> Iterator[tuple[Any, Any]]:
+def _members(scene: Parameters) -> Iterator[tuple[Any, Any]]:
     """Ends of the platform's members."""
-    if study.platform is not None:
-        nodes = dict(study.platform.nodes) | hinge_nodes(study.floats)
-        for member in study.platform.members:
-            yield nodes[member.start], nodes[member.end]
+    if scene.platform is not None:
+        for member in scene.platform.members:
+            yield scene.platform.nodes[member.start], scene.platform.nodes[member.end]
 
 
 def _draw_float(axes: Axes, item: Float, fill: str) -> None:

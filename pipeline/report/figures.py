@@ -163,7 +163,7 @@ class Results:
 
     @cached_property
     def sea_names(self) -> list[str]:
-        """Sea states as 2017 (1.39 m, 5.65 s)."""
+        """Sea states as 2017, and 1.39 m, 5.65 s in a line below."""
         heights, periods = self.numbers("Hs", "wave_height"), self.numbers("Tp", "wave_period")
         rows = zip(self.seas, heights, periods, strict=False)  # figures have less room than studies
         return [f"{n}\n{h:#.3g} m, {t:#.3g} s" if np.isfinite([h, t]).all() else n for n, h, t in rows]

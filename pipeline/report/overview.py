@@ -22,7 +22,7 @@ def overview(results: Results) -> Figure:
     figure = canvas(*SIZE)
     widths = [2.0] + [0.85] * count + [1.3] * power
     panels = figure.subplots(1, len(widths), squeeze=False, width_ratios=widths)[0]
-    sketch.close_up(panels[0], results.study.content)
+    sketch.close_up(panels[0], sketch.first_scene(results.study.content))
     if count:
         envelopes.draw(panels[1 : 1 + count], results)
     for axes in panels[1 : 1 + count]:

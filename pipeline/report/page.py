@@ -21,17 +21,16 @@ from pipeline.report.responses import dashes, responses
 from pipeline.report.template import PAGE
 from pipeline.report.yearly import of_survivors
 from pipeline.results import dataset
-from pipeline.results.status import without_numbers
+from pipeline.results.status import FEW, MANY, without_numbers
 from pipeline.results.store import write_atomic
 from pipeline.study.axes import UNCHANGED
 from pipeline.study.schema import StudyFile
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import at_labels, axes, first_labels
+from pipeline.tasks.task import axes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MANY, FEW = 20, 3  # reasons that are told, and tasks of each that are named
 VERSION = "version_"
 
 
@@ -300,13 +299,11 @@ def _short(label: object) -> str:
 
 
 def _scene(results: Results) -> Figure | None:
-    content = results.study.content
-    return sketch.side_view(at_labels(content, first_labels(content)))
+    return sketch.side_view(results.study.content)
 
 
 def _from_above(results: Results) -> Figure | None:
-    content = results.study.content
-    return arrays.from_above(at_labels(content, first_labels(content)))
+    return arrays.from_above(results.study.content)
 
 
 def _along(dim: str) -> Callable[[Results], Figure | None]:

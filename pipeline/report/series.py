@@ -22,7 +22,7 @@ from pipeline.results.netcdf import Variable
 from pipeline.results.records import decode
 from pipeline.results.variables import SERIES
 from pipeline.study import seas
-from pipeline.tasks.task import at_labels, first_labels
+from pipeline.tasks.task import Label, at_labels, firsts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,14 +60,22 @@ class Series:
     @cached_property
     def records(self) -> Mapping[str, Mapping[str, Variable]]:
         """Platform -> record, of the first realization whose series are kept."""
-        kept = self.results.study.content.record.series != "none"
-        if not kept or self.results.tasks is None or "task" not in self.results.data:
+        if not self.labels or self.results.tasks is None or "task" not in self.results.data:
             return {}
         pairs = ((str(p), self._record(str(p))) for p in self.results.labels("platform"))
         return {platform: record for platform, record in pairs if ELAPSED in record}
 
+    @cached_property
+    def labels(self) -> Mapping[str, Label]:
+        """Of the first task that keeps series, whichever axis varies that; none of a study without."""
+        study = self.results.study.content
+        first, varied = firsts(study), (axis for axis in study.varied if "record.series" in axis.keys)
+        found = [first({axis.name: label}) for axis in varied for label in axis.labels] or [first({})]
+        return next((one for one in found if one and at_labels(study, one).record.series != "none"), {})
+
     def _record(self, platform: str) -> Mapping[str, Variable]:
-        cells = self.results.values("task", sea_state=self.results.sea, platform=platform, **self.results.first)
+        held = {dim: self.labels[dim] for dim in self.results.first}
+        cells = self.results.values("task", sea_state=self.results.sea, platform=platform, **held)
         folder = self.results.tasks or Path()
         files = (folder / str(task) / "record.nc" for task in cells.values.ravel())
         return next((record for file in files if (record := _decoded(file))), {})
@@ -233,15 +241,15 @@ def waves(series: Series) -> Figure | None:
     left.margins(x=0)
     left.set_xlabel("time [s]")
     left.set_ylabel("elevation at the origin [m]")
-    _spectrum(right, series.results, line)
+    _spectrum(right, series, line)
     return figure
 
 
-def _spectrum(axes: Axes, results: Results, line: Line) -> None:
+def _spectrum(axes: Axes, series: Series, line: Line) -> None:
     from solver.record.spectra import smoothed_density
 
-    study = at_labels(results.study.content, first_labels(results.study.content))
-    state, waves = study.sea_states[results.sea], study.waves  # of the record, whichever axes vary them
+    study = at_labels(series.results.study.content, series.labels)
+    state, waves = study.sea_states[series.results.sea], study.waves  # of the record, whichever axes vary them
     span = seas.frequencies(state, waves)
     if span is None or not seas.is_random(state):
         axes.set_visible(False)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.report.drawing import INK, SAND, STEEL, WATER, canvas, colour
 from pipeline.study.floats import Float
-from pipeline.study.layout import hinge_nodes
 from pipeline.study.platform import General, Section, Tube
 from pipeline.study.schema import StudyFile
+from pipeline.tasks.task import Parameters, cell, first_labels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,14 +29,19 @@ class Box(NamedTuple):
     high: float
 
 
-def members(study: StudyFile) -> Iterator[list[Point]]:
+def first_scene(study: StudyFile) -> Parameters:
+    """Of the first task, with its platform and its floats whichever of the two it is without."""
+    return cell(study, first_labels(study) | {"platform": "elastic"}, ()).parameters
+
+
+def members(scene: Parameters) -> Iterator[list[Point]]:
     """The outline of every member of the platform, seen along y."""
-    if study.platform is None:
+    if scene.platform is None:
         return
-    nodes = dict(study.platform.nodes) | hinge_nodes(study.floats)
-    for member in study.platform.members:
+    nodes = scene.platform.nodes
+    for member in scene.platform.members:
         ends = member.section, member.end_section or member.section
-        widths = [_width(study.platform.sections[name]) for name in ends]
+        widths = [_width(scene.platform.sections[name]) for name in ends]
         (x0, _, z0), (x1, _, z1) = nodes[member.start], nodes[member.end]
         (dx0, _, dz0), (dx1, _, dz1) = member.start_offset, member.end_offset
         yield _bar((x0 + dx0, z0 + dz0), (x1 + dx1, z1 + dz1), widths)
@@ -91,42 +96,42 @@ def lines(item: Float) -> Iterator[tuple[Point, Point]]:
         yield (x, z), (line.anchor[0], line.anchor[2])
 
 
-def whole(study: StudyFile) -> Box:
+def whole(scene: Parameters) -> Box:
     """From the seabed, or the deepest pile, to the highest point."""
-    near = about_water(study)
-    bars = [point for bar in members(study) for point in bar]
+    near = about_water(scene)
+    bars = [point for bar in members(scene) for point in bar]
     left, right = min([near.left, *(x for x, _ in bars)]), max([near.right, *(x for x, _ in bars)])
     feet = min([near.low, *(z for _, z in bars)])
-    in_soil = study.platform is not None and study.platform.soil
-    low = (feet if in_soil else max(-study.water.depth, feet)) - 2.0
+    in_soil = scene.platform is not None and scene.platform.soil
+    low = (feet if in_soil else max(-scene.water.depth, feet)) - 2.0
     least = 0.15 * (near.high - low)  # a single pile needs room for its axis' numbers
     aside = max(0.0, least - (right - left) / 2)
     return Box(left - aside, right + aside, low, near.high)
 
 
-def about_water(study: StudyFile) -> Box:
+def about_water(scene: Parameters) -> Box:
     """The floats, the hinges and what stands beside them."""
-    points = [p for f in study.floats for p in [*float_outline(f), (f.hinge[0], f.hinge[2])]]
-    deck = [p for bar in members(study) for p in bar if p[1] > -1.0]
+    points = [p for f in scene.floats for p in [*float_outline(f), (f.hinge[0], f.hinge[2])]]
+    deck = [p for bar in members(scene) for p in bar if p[1] > -1.0]
     points = points + deck or [(-1.0, 0.0), (1.0, 0.0)]
     xs, zs = [x for x, _ in points], [z for _, z in points]
     margin = 0.12 * (max(xs) - min(xs)) + 0.3
-    low = max(min([*zs, -1.0]) - 1.5 * margin, -study.water.depth - margin)
+    low = max(min([*zs, -1.0]) - 1.5 * margin, -scene.water.depth - margin)
     return Box(min(xs) - margin, max(xs) + margin, low, max([*zs, 0.0]) + margin)
 
 
-def draw(axes: Axes, study: StudyFile, box: Box) -> None:
+def draw(axes: Axes, scene: Parameters, box: Box) -> None:
     """Water, seabed, platform, floats, arms, hinges and mooring lines."""
     from matplotlib.patches import Polygon
 
-    tall, depth = box.high - box.low, study.water.depth
+    tall, depth = box.high - box.low, scene.water.depth
     axes.axhspan(-depth if math.isfinite(depth) else -10 * tall, 0.0, color=WATER, linewidth=0)
     axes.axhline(0.0, color=colour(0), linewidth=0.8)
     if math.isfinite(depth):
         axes.axhspan(-depth - tall, -depth, color=SAND, linewidth=0)
-    for bar in members(study):
+    for bar in members(scene):
         axes.add_patch(Polygon(bar, facecolor=STEEL, edgecolor=INK, linewidth=0.4))
-    for index, item in enumerate(study.floats):
+    for index, item in enumerate(scene.floats):
         axes.add_patch(Polygon(float_outline(item), facecolor=colour(index), edgecolor=INK, linewidth=0.6, alpha=0.85))
         (x, _, z), hinge = centre(item), item.hinge
         for start, end in lines(item):
@@ -141,15 +146,15 @@ def draw(axes: Axes, study: StudyFile, box: Box) -> None:
     axes.set_xlabel("x [m]")
 
 
-def label(axes: Axes, study: StudyFile) -> None:
+def label(axes: Axes, scene: Parameters) -> None:
     """Names of the floats, the depth of the water, and the way the waves go."""
-    for index, item in enumerate(study.floats):
+    for index, item in enumerate(scene.floats):
         points = float_outline(item)
         x, low = centre(item)[0], min(z for _, z in points)
         axes.text(x, low - 0.15, item.name, ha="center", va="top", color=colour(index))
     corner: dict[str, Any] = {"transform": axes.transAxes, "fontsize": "small"}
-    axes.text(0.02, 0.02, _depth(study), ha="left", va="bottom", color=colour(0), **corner)
-    along = math.cos(study.waves.heading)
+    axes.text(0.02, 0.02, _depth(scene), ha="left", va="bottom", color=colour(0), **corner)
+    along = math.cos(scene.waves.heading)
     if abs(along) > 0.1:
         ends = [(0.02, 0.92), (0.2, 0.92)]
         start, tip = ends if along > 0 else ends[::-1]
@@ -158,37 +163,38 @@ def label(axes: Axes, study: StudyFile) -> None:
         axes.text(0.11, 0.93, "waves", ha="center", va="bottom", **corner)
 
 
-def _depth(study: StudyFile) -> str:
-    depth = study.water.depth
+def _depth(scene: Parameters) -> str:
+    depth = scene.water.depth
     return f"water {depth:g} m deep" if math.isfinite(depth) else "deep water"
 
 
 def side_view(study: StudyFile) -> Figure | None:
     """The whole depth, if there is a platform, and the surroundings of the water line, both to scale."""
-    if not study.floats and study.platform is None:
+    scene = first_scene(study)
+    if not scene.floats and scene.platform is None:
         return None
-    near, all_ = about_water(study), whole(study)
-    if study.platform is None:
+    near, all_ = about_water(scene), whole(scene)
+    if scene.platform is None:
         figure = canvas(6.0, 4.2)
-        close_up(figure.add_subplot(), study)
+        close_up(figure.add_subplot(), scene)
         return figure
     figure = canvas(9.0, 5.2)
     wide = max(1.0, (near.right - near.left) / (near.high - near.low))
     tall = max(0.25, (all_.right - all_.left) / (all_.high - all_.low))
     left, right = figure.subplots(1, 2, width_ratios=[tall, wide])
-    draw(left, study, all_)
+    draw(left, scene, all_)
     left.set_ylabel("z [m]")
     left.set_title("whole depth")
-    if -study.water.depth > all_.low:  # beyond the axes it would leave these no room
-        left.text(all_.right, -study.water.depth, " seabed", va="top", fontsize="small")
-    close_up(right, study)
+    if -scene.water.depth > all_.low:  # beyond the axes it would leave these no room
+        left.text(all_.right, -scene.water.depth, " seabed", va="top", fontsize="small")
+    close_up(right, scene)
     right.set_title("at the water line")
     return figure
 
 
-def close_up(axes: Axes, study: StudyFile) -> None:
+def close_up(axes: Axes, scene: Parameters) -> None:
     """The surroundings of the water line, as much as the axes hold."""
-    draw(axes, study, about_water(study))
+    draw(axes, scene, about_water(scene))
     axes.set_aspect("equal", adjustable="datalim")
-    label(axes, study)
+    label(axes, scene)
     axes.set_ylabel("z [m]")

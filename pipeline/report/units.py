@@ -6,6 +6,7 @@ import math
 import re
 
 from pipeline.report.yearly import HOUR, YEAR
+from pipeline.results.variables import udunits
 
 PREFIXES = {"k": 1e3, "M": 1e6, "G": 1e9, "m": 1e-3}
 PREFIXED = ("m", "N", "Pa", "W", "J", "s", "rad")
@@ -37,10 +38,7 @@ def allowed(own: str) -> str:
 
 def _parts(symbol: str) -> list[str]:
     """N m s/rad as N, m, s, rad-1."""
-    above, slash, below = symbol.strip().partition("/")
-    name = below.rstrip("0123456789")
-    words = [*above.split(), f"{name}-{below[len(name) :] or 1}"] if slash else above.split()
-    return [word for word in words if word != "1"] or ["1"]
+    return [word for word in udunits(symbol.strip()).split() if word != "1"] or ["1"]
 
 
 def _of_part(part: str, own: str) -> float | None:

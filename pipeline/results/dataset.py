@@ -17,7 +17,7 @@ from pipeline.results.arrays import INNER, Arrays
 from pipeline.results.netcdf import Variable, to_file
 from pipeline.results.status import read_json
 from pipeline.results.store import Entry, Store, appearing, together, write_json
-from pipeline.results.variables import FOUND, KNOBS, SLIDING, along, axis_units, meaning, meaning_of
+from pipeline.results.variables import FOUND, KNOBS, along, axis_units, meaning, meaning_of, of_path
 from pipeline.study import seas
 from pipeline.study.reading import StudyError
 from pipeline.tasks.study import Study
@@ -130,7 +130,7 @@ def _fingerprint(study: Study, store: Store) -> str:
     Not how long those took: a task run again to the same bits leaves the dataset as it is.
     """
     digest = hashlib.sha256()
-    words = study.content.model_dump(mode="json", include={"sea_states", "title", "variants"})
+    words = study.content.model_dump(mode="json", include={"axes", "sea_states", "title", "variants"})
     digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
     for task in study.tasks.passing("looking at records"):
         entry = store.look(task)
@@ -196,14 +196,10 @@ def _coordinates(
             coords[name] = Variable((axis.name,), _words_or_numbers(values), attrs)
     if titles := [variant.title or name for name, variant in study.content.variants.items()]:
         coords["variant_title"] = Variable(("variant",), _words_or_numbers(titles), meaning("variant_title"))
-    if (
-        "pto_damping" in table
-        and "pto_damping" not in varied
-        and any(f.motion and set(f.motion) <= SLIDING for f in study.content.floats)
-    ):
+    if "pto_damping" in table and "pto_damping" not in varied:
         damping = coords["pto_damping"]
-        sliding = {**damping.attrs, "units": "N s m-1", "long_name": "Damping of each PTO"}
-        coords["pto_damping"] = damping._replace(attrs=sliding)
+        attrs = of_path("floats.*.pto_damping", table["pto_damping"], motions)
+        coords["pto_damping"] = damping._replace(attrs={**attrs, **damping.attrs})
     coords = dict(_of_seas(study, table, outer)) | coords
     used = {dim for inner in arrays.dims.values() for dim in inner}
     for dim in INNER:

@@ -131,7 +131,6 @@ class Packs:
         self._lines: dict[str, tuple[Path, int, int, int]] = {}  # file, row, and where in it the row begins and ends
         self._read: set[str] = set()
         self._changed = -1
-        self._last = 0  # number that is taken
 
     def find(self, task_id: str) -> Place | None:
         """The last outcome of a task in a pack, None if there is none."""
@@ -152,14 +151,9 @@ class Packs:
         return path.name, number
 
     def next(self, count: int) -> list[Path]:
-        """Records of so many packs to come."""
-        paths: list[Path] = []
-        while len(paths) < count:
-            self._last += 1
-            path = self.folder / f"{self._last:06d}.nc"
-            if not (path.exists() or path.with_suffix(".jsonl").exists()):
-                paths.append(path)
-        return paths
+        """Records of so many packs to come, after all that are there: of a task in several the last counts."""
+        last = max((int(path.stem) for path in self.folder.glob("*") if path.stem.isdecimal()), default=0)
+        return [self.folder / f"{last + n:06d}.nc" for n in range(1, count + 1)]
 
     def strays(self, known: set[str]) -> Iterator[Path]:
         """Records of packs from which no known task has its outcome, and what lies beside them."""
@@ -185,15 +179,19 @@ class Packs:
         self._changed = -1 if newest else changed
 
     def _take(self, path: Path) -> None:
-        try:
-            data = path.read_bytes()
-        except OSError:
-            return
         start = 0
-        for number, line in enumerate(data.splitlines(keepends=True)):
+        for number, line in enumerate(lines(path)):
             if match := ID.match(line):
                 self._lines[match[1].decode()] = path, number, start, start + len(line)
             start += len(line)
+
+
+def lines(path: Path) -> list[bytes]:
+    """Of a pack's statuses; none if they cannot be read."""
+    try:
+        return path.read_bytes().splitlines(keepends=True)
+    except OSError:
+        return []
 
 
 # By path and time of the last change: tasks looked at one after another are in few packs, one for each sea.

@@ -80,6 +80,8 @@ def _thinning(record: Record, parameters: Parameters) -> slice:
     if parameters.record.series != "decimated" or "time" not in record.series or span is None:
         return slice(None)
     _, time = record.series["time"]
+    if len(time) < 2:
+        return slice(None)
     shortest = 2 * math.pi / span[1]
     return slice(None, None, max(1, int(shortest / SAMPLES / (time[1] - time[0]) + 1e-9)))
 

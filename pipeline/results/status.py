@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import from_json
 
 NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(\.\d+)?([eE][+-]?\d+)?(?!\w)")  # and no part of a name
+MANY, FEW = 20, 3  # reasons that are told, and tasks of each that are named
 # A simulated or measured time [s].
 Seconds = Annotated[float, Field(ge=0.0)]
 
@@ -90,8 +91,16 @@ def without_numbers(words: str) -> str:
 def read_status(path: Path) -> Status:
     """The content of a status.json; that of a missing task if it is absent, damaged or of another shape."""
     try:
-        return Status.model_validate_json(path.read_bytes())
-    except (OSError, ValueError):
+        return parsed(path.read_bytes())
+    except OSError:
+        return MISSING
+
+
+def parsed(text: bytes) -> Status:
+    """What a status.json or a line of a pack says; that of a missing task if it is of another shape."""
+    try:
+        return Status.model_validate_json(text)
+    except ValueError:
         return MISSING
 
 

@@ -165,9 +165,9 @@ def _described(task: Task, status: dict[str, Any], parameters: dict[str, Any]) -
     return (text + "\n").encode("utf-8", "replace")  # an error's message may hold bytes that are no text
 
 
-def _length(task: Task) -> dict[str, Any]:
+def _estimating(task: Task) -> dict[str, Any]:
     """What estimates of time need of a task's parameters; a pack has all of them with its records."""
-    return {"record": task.parameters.record.model_dump(include={"duration", "discard"})}
+    return task.parameters.model_dump(include={"record": {"duration", "discard"}, "solver": {"method"}})
 
 
 def write_json(path: Path, data: object) -> None:
@@ -227,14 +227,6 @@ class Store:
         except OSError:
             return False
 
-    def done(self, task: Task, record: bytes, status: dict[str, Any]) -> None:
-        """Keep a task's record."""
-        self.keep([(task, record, status)])
-
-    def failed(self, task: Task, status: dict[str, Any]) -> None:
-        """Keep why a task failed."""
-        self.keep([(task, None, status)])
-
     def keep(self, outcomes: Sequence[tuple[Task, bytes | Row | None, dict[str, Any]]]) -> None:
         """Keep records, and failures without one: all flushed to the disk at once, each whole or not at all.
 
@@ -278,7 +270,7 @@ class Store:
             if (folder := self.folder(task.id)).exists():
                 self._withdraw(folder)
         yield _part(path, data)
-        lines = [_described(task, about | of, _length(task)) for task, _, of in members]
+        lines = [_described(task, about | of, _estimating(task)) for task, _, of in members]
         yield _part(path.with_suffix(".jsonl"), b"".join(lines))
 
     def _begin(self, task: Task) -> Path:

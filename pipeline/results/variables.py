@@ -181,7 +181,7 @@ COORDINATES = {
     "wave_height": Meaning("m", "Height of the regular wave, crest to trough"),
     "wave_period": Meaning("s", "Period of the regular wave"),
     "platform": Meaning(None, "Support of the floats"),
-    "pto_damping": Meaning("N m s rad-1", "Rotational damping of each power take-off"),
+    "pto_damping": Meaning(None, "Damping of each power take-off"),  # in the unit of the floats' axes, see of_path
     "hinge_spacing": Meaning("m", "Distance of the hinges along x"),
     "seed": Meaning("1", "Number of the wave realization"),
     "variant": Meaning(None, "Name of the set of values"),
@@ -277,7 +277,7 @@ def meaning_of(axis: Axis, motions: Mapping[str, Collection[str]]) -> dict[str, 
     if not axis.own:
         units = {} if isinstance(axis.labels[0], str) else {"units": "1"}
         return {**units, "long_name": f"Values of {', '.join(axis.keys)}"}
-    return _of_path(next(iter(axis.keys)), axis.labels, motions)
+    return of_path(next(iter(axis.keys)), axis.labels, motions)
 
 
 def along(axis: Axis, motions: Mapping[str, Collection[str]]) -> Iterator[tuple[str, tuple[Any, ...], dict[str, str]]]:
@@ -285,14 +285,15 @@ def along(axis: Axis, motions: Mapping[str, Collection[str]]) -> Iterator[tuple[
     for path, values in axis.keys.items():
         if not axis.own and path not in axis.partial:
             shown = labels(values)
-            yield axis.names[path], shown, _of_path(path, shown, motions)
+            yield axis.names[path], shown, of_path(path, shown, motions)
     for word, values in axis.beside.items():
         name, _, symbol = word.removesuffix("]").partition(" [")
-        unit_of = {} if isinstance(labels(values)[0], str) else {"units": _udunits(symbol)}
+        unit_of = {} if isinstance(labels(values)[0], str) else {"units": udunits(symbol)}
         yield name, labels(values), {"long_name": name.replace("_", " "), **unit_of}
 
 
-def _of_path(path: str, shown: Sequence[object], motions: Mapping[str, Collection[str]]) -> dict[str, str]:
+def of_path(path: str, shown: Sequence[object], motions: Mapping[str, Collection[str]]) -> dict[str, str]:
+    """Attributes of values of a key; motions: of each float's joint, by which the key's unit may go."""
     attrs = {"long_name": f"{last(path).replace('_', ' ')} ({path})"}
     if isinstance(shown[0], str):
         return attrs
@@ -303,11 +304,11 @@ def _of_path(path: str, shown: Sequence[object], motions: Mapping[str, Collectio
     along = {axis for each in own or motions.values() for axis in each}
     if sliding and along & SLIDING and along - SLIDING:
         return attrs  # some of the axes turn and some slide
-    return {"units": _udunits(sliding if sliding and along <= SLIDING else turning), **attrs}
+    return {"units": udunits(sliding if sliding and along <= SLIDING else turning), **attrs}
 
 
-def _udunits(symbol: str) -> str:
-    """N m s/rad as N m s rad-1."""
+def udunits(symbol: str) -> str:
+    """N m s/rad as N m s rad-1; nothing and - as 1."""
     above, slash, below = symbol.partition("/")
     if symbol in ("", "-"):
         return "1"

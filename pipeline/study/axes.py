@@ -154,7 +154,9 @@ class Axes(Table):
     pto_damping: Annotated[
         tuple[NotNegative, ...] | None, Unit("N m s/rad or N s/m"), "Damping of every power take-off"
     ] = None
-    hinge_spacing: Annotated[tuple[Positive, ...] | None, Unit("m"), "Distance of the two hinges along x"] = None
+    hinge_spacing: Annotated[
+        tuple[Positive, ...] | None, Unit("m"), "Distance of the two hinges along x, about the same middle"
+    ] = None
     seed: Annotated[tuple[Seed, ...] | None, "Numbers of the realizations of random seas"] = None
     together: Annotated[tuple[Together, ...], "Keys that change together, along one dimension"] = ()
     keys: Annotated[dict[str, tuple[Any, ...]], "Values of any key, or a range { from, to, count, spacing }"] = Field(

@@ -18,11 +18,6 @@ class HemisphereCylinder(Table):
     radius: Annotated[Positive, Unit("m"), "Of hemisphere and cylinder; the draft"]
     height: Annotated[Positive, Unit("m"), "Of the cylinder, above still water"]
 
-    @property
-    def draft(self) -> float:
-        """Depth of the lowest point [m]."""
-        return self.radius
-
 
 class Sphere(Table):
     """A sphere whose lowest point is `draft` below still water."""

@@ -16,8 +16,8 @@ def hinge_nodes(floats: Iterable[Float]) -> dict[str, tuple[float, float, float]
 
 
 def spaced(floats: tuple[Float, ...], spacing: float) -> tuple[Float, ...]:
-    """Two floats with their hinges at x = ±spacing/2 [m], each on the side where it is; arms are kept."""
-    a, b = floats
-    side = math.copysign(0.5, a.hinge[0] - b.hinge[0])
-    places = (side * spacing, -side * spacing)
+    """Two floats whose hinges are so far apart along x [m], about the same middle; arms are kept."""
+    a, b = (f.hinge[0] for f in floats)
+    middle, way = (a + b) / 2, math.copysign(spacing / 2, a - b)
+    places = (middle + way, middle - way)
     return tuple(f.model_copy(update={"hinge": (x, *f.hinge[1:])}) for f, x in zip(floats, places, strict=True))

@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from pipeline.study.attachments import File
-from pipeline.study.tables import Count, Name, NotNegative, Number, Positive, Table, Unit, Vector, fields_of
+from pipeline.study.tables import (
+    Count,
+    Name,
+    NotNegative,
+    Number,
+    Positive,
+    Table,
+    Unit,
+    Vector,
+    fields_of,
+    word_or_number,
+)
 from solver import scene as physics
 from solver.structure import members, soil
 
@@ -17,14 +28,10 @@ class Material(Table):
     """Linear elastic."""
 
 
-def _word_or_number(value: Any) -> str:
-    return "<word>" if isinstance(value, str) else "<number>"
-
-
 ShearFactor = Annotated[
     Annotated[
         Annotated[Literal["cowper"], Tag("<word>")] | Annotated[Positive, Tag("<number>")],
-        Discriminator(_word_or_number),
+        Discriminator(word_or_number),
     ]
     | None,
     "Timoshenko's, shear area over area; cowper: Cowper's (1966); left out, the beam is Euler-Bernoulli's",

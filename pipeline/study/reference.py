@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from pipeline.study.axes import UNDOTTED, Range
 from pipeline.study.inherit import BASE
+from pipeline.study.paths import FIXED
 from pipeline.study.schema import StudyFile
 from pipeline.study.tables import LARGEST, MOST
 
@@ -16,7 +17,6 @@ Node = dict[str, Any]  # a piece of JSON Schema
 DRAFT = "http://json-schema.org/draft-04/schema#"  # which editors of TOML know
 ANY = "PATH"  # stands for the dotted path of any key
 STANDS_ON = {"type": "string", "description": "A study file, relative to this one, of which this one says what differs"}
-FIXED = (BASE, "title", "axes", "variants", "samples")  # what no path leads into
 PATHS = rf"\.|^({'|'.join(UNDOTTED)})$"  # of keys that are varied
 KEPT = ("type", "description", "pattern", "enum", "x-unit", "format", "maxLength", "minLength", "maxItems", "minItems")
 

@@ -30,7 +30,7 @@ from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError
 
-from solver.quantities import Quantity, meanings, quantities
+from solver.quantities import PerAxis, Quantity, meanings, quantities
 
 
 class Unit(NamedTuple):
@@ -74,14 +74,15 @@ Flag = Annotated[bool, Field(strict=True)]
 Vector = tuple[Number, Number, Number]
 
 
-def _word_or_number(value: Any) -> str:
+def word_or_number(value: Any) -> str:
+    """The tag of a number, or of a word in its place."""
     return "<word>" if isinstance(value, str) else "<number>"
 
 
 # Numbers, or the word for one that is found from weight and buoyancy.
 Balance = Annotated[Literal["balance"], Tag("<word>")]
-FoundMass = Annotated[Annotated[Positive, Tag("<number>")] | Balance, Discriminator(_word_or_number)]
-FoundPlace = Annotated[Annotated[Number, Tag("<number>")] | Balance, Discriminator(_word_or_number)]
+FoundMass = Annotated[Annotated[Positive, Tag("<number>")] | Balance, Discriminator(word_or_number)]
+FoundPlace = Annotated[Annotated[Number, Tag("<number>")] | Balance, Discriminator(word_or_number)]
 
 
 def _one_line(text: str) -> str:
@@ -196,9 +197,6 @@ class Same(Generic[T]):
         return isinstance(other, Same) and self.table is other.table
 
 
-PER_AXIS = float | tuple[float, ...]  # of a joint: a number for its only axis, or one for each
-
-
 def fields_of(inputs: type, names: Collection[str] = ()) -> Callable[[type[T]], type[T]]:
     """Complete a table with the fields of the solver's inputs, all or those named.
 
@@ -236,7 +234,7 @@ def _strict(hint: Any, quantity: Quantity) -> Any:
         return Annotated[number, AfterValidator(divisible)] if hint is float and quantity.above == 0 else number
     if hint is bool:
         return Flag
-    if hint == PER_AXIS:
+    if hint == PerAxis:
         return _per_axis(_strict(float, quantity))
     if get_origin(hint) in (None, Literal):
         return hint

@@ -13,7 +13,7 @@ from solver.hydrodynamics.hull.standing import stands
 from solver.hydrodynamics.hull.swing import Hinged, Stroke
 from solver.mooring import SIX, AxisMooring, Line, Mooring, line_loads, none
 from solver.power_takeoff import PtoEfficiency, PtoTable
-from solver.quantities import Quantity, out_of_range
+from solver.quantities import PerAxis, Quantity, out_of_range
 from solver.rigid import inertia_tensor, is_of_a_body
 from solver.scene.water import STILL_WATER, Water
 from solver.sea.current import Current
@@ -21,7 +21,6 @@ from solver.sea.current import Current
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 LEVEL = (0.0, 1.0, 0.0)  # a hinge's axis, across waves along x
 Vector = tuple[float, float, float]
-PerAxis = float | tuple[float, ...]  # of a joint: a number for its only axis, or one for each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -302,7 +301,7 @@ def _fits(value: PerAxis, usual: float, axes: int) -> bool:
     """Whether there is a number for each axis; one that says nothing does for all."""
     if isinstance(value, (float, int)):
         return axes == 1 or value == usual
-    return np.size(value) == axes or not np.any(np.asarray(value) != usual)
+    return np.size(value) == axes or (np.size(value) > 0 and not np.any(np.asarray(value) != usual))
 
 
 def _of_joints(inputs: type, table: str = "") -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 from dataclasses import fields, replace
 from types import MappingProxyType, SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -151,6 +152,13 @@ def test_a_file_found_whole_is_opened_again_only_if_it_is_another(coefficients, 
     store.path("key").mkdir()
     assert store.damaged() == {"key"}
     store.path("key").rmdir()
+    assert store.damaged() == set()
+
+
+def test_files_in_a_folder_for_reading_only_are_found_whole(coefficients, tmp_path, monkeypatch):
+    store = cache.Cache(tmp_path)
+    store.put("key", cache.encode(coefficients, "key"))
+    monkeypatch.setattr(cache, "write_json", Mock(side_effect=PermissionError))
     assert store.damaged() == set()
 
 

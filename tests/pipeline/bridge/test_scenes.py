@@ -65,7 +65,7 @@ def test_sections_of_every_shape_reach_the_solver(buan_tables, study_of, shape):
     study = study_of(buan_tables)
     members = scenes.scene(task(study, platform="elastic").parameters).platform.frame.members
     assert {m.section for m in members} == {tube(0.45, 0.012), replace(section, shear_factor=0.5)}
-    assert len(list(sketch.members(study.content))) == len(members)
+    assert len(list(sketch.members(sketch.first_scene(study.content)))) == len(members)
 
 
 def test_shear_factors_are_of_the_section_and_cowpers_of_the_material(buan_tables, study_of):
@@ -110,7 +110,7 @@ def test_soil_reaches_the_solver_below_the_waters_depth(buan_tables, study_of):
     assert frame.soil.stiffness(np.array([-50.0, -52.5, -55.0, -70.0])).tolist() == [
         [2e6, 1e6, 3e6], [1e6, 2.5e6, 1.5e6], [0, 4e6, 0], [0, 4e6, 0]
     ]  # fmt: skip
-    assert sketch.whole(study_of(buan_tables).content).low < -60.0
+    assert sketch.whole(sketch.first_scene(study_of(buan_tables).content)).low < -60.0
     assert [m.name for m in frame.buried] == ["pile"]
 
 

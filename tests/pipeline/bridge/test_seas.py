@@ -404,6 +404,11 @@ def test_waves_too_close_for_the_record_cannot_have_an_rao(study_with, tmp_path)
     with pytest.raises(StudyError, match=r"record.duration = 485.0: must be >= 486.2 s for record.rao"):
         study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f"{BAND}\n[record]\nrao = true\nduration = 485.0")
     study_with("{ Hs = 1.0, Tp = 8.0 }", waves=f'{BAND}\nintervals = "even"\n[record]\nrao = true\nduration = 292.0')
+    # Of few waves the first may be nearer to a mean than to the next: 0.3, or half if even, of 1.94/5 rad/s above 0.06.
+    for more, least in (("", 35.62), ('intervals = "even"\n', 24.74)):
+        few = f"band = [0.06, 2.0]\ncomponents = 5\n{more}[record]\nrao = true\nduration = 24.0"
+        with pytest.raises(StudyError, match=f"record.duration = 24.0: must be >= {least} s for record.rao"):
+            study_with("{ Hs = 1.0, Tp = 8.0 }", waves=few)
     regular = '{ kind = "regular", height = 1.0, period = 8.0 }'
     study_with(regular, waves="[record]\nrao = true\nduration = 8.0")
     with pytest.raises(StudyError, match=r"record.duration = 7.9: must be >= 8 s for record.rao"):

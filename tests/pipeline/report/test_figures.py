@@ -515,12 +515,26 @@ def test_the_scene_is_to_scale(results):
     x, z = np.array(sketch.float_outline(study.floats[0])).T
     assert (x.min(), x.max()) == pytest.approx((-4.86, -2.86), abs=1e-12)
     assert (z.min(), z.max()) == pytest.approx((-1.0, 0.6), abs=1e-12)
-    (leg,) = sketch.members(study)
+    (leg,) = sketch.members(sketch.first_scene(study))
     x, z = np.array(leg).T
     assert (x.min(), x.max(), z.min(), z.max()) == pytest.approx((-2.0, -1.0, -50.0, 2.6), abs=1e-12)
     with plain():
         figure = sketch.side_view(study)
     assert {axes.get_aspect() for axes in figure.axes} == {1.0}
+
+
+def test_the_scene_is_the_first_tasks_and_both_of_platform_and_floats(study_of, buan_tables):
+    """At its distance of the hinges, without what is left out."""
+    buan_tables["left_out"] = ["rear"]
+    buan_tables["axes"] |= {"platform": ["fixed", "elastic"], "hinge_spacing": [8.0, 5.0]}
+    content = study_of(buan_tables).content
+    with plain():
+        close = sketch.side_view(content).axes[1]
+        data = xr.Dataset(coords={"sea_state": ["2017"], "Hs": ("sea_state", [1.39])})
+        whole = overview.overview(figures.Results(study=study_of(buan_tables), data=data)).axes[0]
+    for axes in (close, whole):
+        assert [line.get_xdata().item() for line in axes.lines if line.get_marker() == "o"] == [-4.0]
+        assert {"front", "rear"} & {text.get_text() for text in axes.texts} == {"front"}
 
 
 @pytest.mark.filterwarnings("error")

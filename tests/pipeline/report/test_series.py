@@ -80,6 +80,22 @@ def test_damaged_records_are_passed_over(results):
     assert list(series.Series(results).records) == ["elastic", "elastic-no-floats"]
 
 
+VARIED = {
+    "an axis": ("seed = ", "'record.series' = ['none', 'full']\nseed = ", "series"),
+    "variants": ("[sea_states]", "[variants.none]\n[variants.full]\n'record.series' = 'full'\n[sea_states]", "variant"),
+}
+
+
+@pytest.mark.parametrize("case", VARIED)
+def test_series_that_some_labels_keep_are_drawn(small, results, case):
+    old, new, dim = VARIED[case]
+    small.write_text(small.read_text().replace('series = "full"\n', "").replace(old, new, 1))
+    data = results.data.expand_dims({dim: ["none", "full"]}).copy()
+    data["task"] = data.task.where(data[dim] == "full", "")
+    kept = figures.Results(study=load(small), data=data, tasks=results.tasks)
+    assert list(series.Series(kept).records) == list(PLATFORMS)
+
+
 def test_lines_are_the_series_in_the_units_shown(results):
     (top, stress) = series.response(series.Series(results))
     assert [line.name for line in top.lines] == ["with floats", "no floats"]
@@ -130,6 +146,6 @@ def test_theory_is_of_the_sea_that_an_axis_makes(small, results):
     peaks = []
     for study in (results.study, load(small)):
         axes = canvas(4.0, 3.0).subplots()
-        series._spectrum(axes, figures.Results(study=study, data=results.data), line)
+        series._spectrum(axes, series.Series(figures.Results(study=study, data=results.data)), line)
         peaks.append(axes.lines[1].get_ydata().max())
     assert peaks[1] == pytest.approx(peaks[0] / 4)

@@ -5,6 +5,7 @@ import pytest
 
 from pipeline.bridge.loading import load
 from pipeline.results import dataset
+from pipeline.results.store import Store
 from pipeline.study import seas
 from pipeline.tasks.task import axes, dimensions
 
@@ -83,6 +84,35 @@ def test_numbers_of_seas_are_those_of_each_task(small, case):
         at = {name: table[name].index(label) for name, label in task.labels.items()}
         read = {name: float(v.values[tuple(at[dim] for dim in v.dims)]) for name, v in numbers.items()}
         assert {name: number for name, number in read.items() if np.isfinite(number)} == own
+
+
+@pytest.mark.parametrize("change", [("4, 5", "6, 7"), ("[s]", "[h]"), ("period", "time")])
+def test_words_beside_an_axis_make_a_dataset_anew(small, tmp_path, change):
+    group = "[[axes.together]]\nname = 'scale'\n'waves.heading' = [0.0, 0.1]\n'period [s]' = [4, 5]\n"
+    store = Store(tmp_path / "results", "small")
+    before = dataset._fingerprint(changed(small, (), group), store)
+    small.write_text(small.read_text().replace(group, group.replace(*change)))
+    assert dataset._fingerprint(load(small), store) != before
+
+
+@pytest.mark.parametrize(
+    ("motion", "unit"),
+    [("hinge", "N m s rad-1"), ("heave", "N s m-1"), ("heave hinge", None), ("heave fixed", "N s m-1")],
+)
+def test_damping_of_all_has_the_unit_of_their_axes(small, motion, unit):
+    """And none where some turn and some slide."""
+    text = small.read_text()
+    first, second = (motion.split() * 2)[:2]
+    front = text[text.index("[[floats]]") : text.index("[platform]")] + f"motion = ['{first}']\n"
+    other = front.replace('"front"', '"other"').replace("-1.5, 0.0", "9.5, 0.0").replace(first, second)
+    if second == "fixed":
+        other = other.replace("['fixed']", "[]").replace("pto_damping = 100e3\n", "")
+    floats = front + other
+    text = (
+        text[: text.index("[[floats]]")] + floats + "[axes]\npto_damping = [1e4, 2e4]\n" + text[text.index("[sea_st") :]
+    )
+    small.write_text(text)
+    assert coordinates(load(small))["pto_damping"].attrs.get("units") == unit
 
 
 def test_a_study_of_one_sea_has_scalars(small):

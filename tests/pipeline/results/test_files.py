@@ -306,3 +306,10 @@ def test_series_stand_beside_the_statistics(ran, tmp_path, series, step):
         np.testing.assert_array_equal(data.wave_elevation_series, np.sin(time[::step]))
         assert data.wave_elevation.dims == ("statistic",)
     assert complaints(path, tmp_path) == []
+
+
+def test_a_series_of_one_sample_is_kept(ran):
+    parameters = ran[2][0].parameters.model_copy(update={"record": Recording(series="decimated")})
+    short = SimpleNamespace(variables={}, coords={}, attrs={}, series={"time": (("time",), np.array([100.0]))})
+    (variables, _), _ = records.made(short, parameters, {"task": "x"})
+    assert variables["elapsed_time"].values.tolist() == [100.0]

@@ -119,14 +119,24 @@ def test_another_process_sees_what_was_added_and_removed(store, tasks):
     assert powers(store, tasks[:3]) == powers(other, tasks[:3]) == [1, 2, 3]
 
 
+def test_a_number_that_became_free_is_not_taken_again(store, tasks):
+    """What is packed last comes last, whatever was removed before it."""
+    keep(store, tasks[:1], [1])
+    keep(store, tasks[1:2], [2])
+    for path in store.packs.folder.glob("000001.*"):
+        path.unlink()
+    keep(Store(store.root.parent, "small"), tasks[1:2], [3])
+    assert powers(Store(store.root.parent, "small"), tasks[1:2]) == [3]
+
+
 def test_the_last_outcome_counts(store, tasks):
     """A later pack before an earlier one; a task's own folder before both, until it is packed again."""
     keep(store, tasks[:2], [1, 2])
     keep(store, tasks[1:3], [5, 6])
     assert powers(store, tasks[:3]) == [1, 5, 6]
-    store.failed(tasks[1], ERROR)
+    store.keep([(tasks[1], None, ERROR)])
     assert states(store, tasks[:3]) == ["done", "failed", "done"]
-    store.done(tasks[2], b"cut", {})
+    store.keep([(tasks[2], b"cut", {})])
     store.look(tasks[2]).record.write_bytes(b"cu")
     assert states(store, tasks[:3]) == ["done", "failed", "damaged"]
     keep(store, tasks[1:3], [7, 8])

@@ -54,14 +54,14 @@ def test_a_record_without_status_is_not_done(store, task, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(module.os, "replace", crash_at_the_status)
         with pytest.raises(KeyboardInterrupt):
-            store.done(task, b"record", {})
+            store.keep([(task, b"record", {})])
     assert store.look(task).record.exists()
     assert store.look(task).state == "missing"
 
 
 def test_an_outcome_is_withdrawn_before_another_is_written(store, task, monkeypatch):
     """A task run again that is killed in between has no outcome, and not the older one beside another record."""
-    store.done(task, b"record", {})
+    store.keep([(task, b"record", {})])
 
     def crash(*_):
         raise KeyboardInterrupt
@@ -69,22 +69,22 @@ def test_an_outcome_is_withdrawn_before_another_is_written(store, task, monkeypa
     with monkeypatch.context() as patch:
         patch.setattr(module.os, "replace", crash)
         with pytest.raises(KeyboardInterrupt):
-            store.done(task, b"other", {})
+            store.keep([(task, b"other", {})])
     assert store.look(task).state == "missing" and store.look(task).record.read_bytes() == b"record"
 
 
 def test_done_and_failed(store, task):
     assert store.look(task).state == "missing"
-    store.failed(task, ERROR)
+    store.keep([(task, None, ERROR)])
     assert store.look(task).state == "failed"
-    store.done(task, b"record", {})
+    store.keep([(task, b"record", {})])
     entry = store.look(task, checksums=True)
     assert entry.state == "done"
     assert entry.status.sha256 == sha256(b"record")
 
 
 def test_short_and_flipped_records_are_damaged(store, task):
-    store.done(task, b"record", {})
+    store.keep([(task, b"record", {})])
     record = store.look(task).record
     record.write_bytes(b"rec")
     assert store.look(task).state == "damaged"
@@ -94,7 +94,7 @@ def test_short_and_flipped_records_are_damaged(store, task):
 
 
 def test_a_longer_record_is_damaged(store, task):
-    store.done(task, b"record", {})
+    store.keep([(task, b"record", {})])
     store.look(task).record.write_bytes(b"record and more")
     assert store.look(task).state == "damaged"
 
@@ -102,8 +102,8 @@ def test_a_longer_record_is_damaged(store, task):
 def test_a_folder_copied_over_another_is_damaged(store, small):
     """Record and status fit each other, and are another task's."""
     one, other, third = list(expand(load(small).content))[:3]
-    store.done(one, b"record", {})
-    store.failed(third, ERROR)
+    store.keep([(one, b"record", {})])
+    store.keep([(third, None, ERROR)])
     for source, target in ((one, other), (third, one)):
         shutil.copytree(store.folder(source.id), store.folder(target.id), dirs_exist_ok=True)
         assert store.look(target).state == "damaged"
@@ -111,11 +111,11 @@ def test_a_folder_copied_over_another_is_damaged(store, small):
 
 def test_results_of_an_older_model_are_stale(store, task):
     newer = Task(labels=task.labels, make=task.make, version=task.version + 1)
-    store.failed(task, ERROR)
+    store.keep([(task, None, ERROR)])
     assert store.look(newer).state == "missing"  # nothing to show for it
-    store.done(task, b"record", {})
+    store.keep([(task, b"record", {})])
     assert store.look(newer).state == "stale"
-    store.done(newer, b"record", {})
+    store.keep([(newer, b"record", {})])
     assert store.look(newer).state == "done"
 
 
@@ -166,7 +166,7 @@ def test_a_folder_where_a_file_should_be_makes_way(store, task, name):
     folder = store.folder(task.id) / name
     (folder / "inside").mkdir(parents=True)
     assert store.look(task, checksums=True).state == "missing"
-    store.done(task, b"record", {})
+    store.keep([(task, b"record", {})])
     assert store.look(task, checksums=True).state == "done"
 
 
@@ -174,11 +174,11 @@ def test_a_file_where_a_folder_should_be_makes_way(store, task):
     store.tasks.mkdir(parents=True)
     store.folder(task.id).write_text("no folder")
     assert store.look(task, checksums=True).state == "missing"
-    store.done(task, b"record", {})
+    store.keep([(task, b"record", {})])
     assert store.look(task, checksums=True).state == "done"
 
 
 def test_an_error_that_holds_no_text_is_kept(store, task):
     """A lone surrogate stands for a byte of a file's name; JSON and terminals have none."""
-    store.failed(task, {"error": {**ERROR["error"], "message": "no file named \udcff"}})
+    store.keep([(task, None, {"error": {**ERROR["error"], "message": "no file named \udcff"}})])
     assert store.look(task).status.error.message == "no file named ?"

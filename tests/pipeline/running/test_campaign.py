@@ -24,6 +24,8 @@ from pipeline.cli.plan import Estimate
 from pipeline.report.page import facts, html, results_of
 from pipeline.report.report import COLUMNS
 from pipeline.results import dataset
+from pipeline.results.netcdf import Variable
+from pipeline.results.packs import packed
 from pipeline.results.store import Store, remove
 from pipeline.running import schedule
 from pipeline.running.campaign import Campaign, unfinished
@@ -482,6 +484,7 @@ def test_a_rerun_to_the_same_bits_leaves_dataset_and_report_alone(cli, tmp_path,
 
 def test_a_run_says_that_it_compiles(cli, tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert "compiling" not in cli("plan")
     assert "compiling" in cli("run", "--workers", "1")
     assert "compiling" not in cli("run")  # nothing to run
     monkeypatch.setattr("pipeline.environment.compiled", lambda _bends: True)
@@ -491,29 +494,28 @@ def test_a_run_says_that_it_compiles(cli, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("more", "bends"),
     [
+        ("[solver]\nmethod = 'frequency'", None),
         ("", False),
         ("[[floats]]\nname = 'front'\nend_stops = { lower = -0.9, upper = 0.9, stiffness = 1e7 }", True),
         ("[axes]\n'floats.front.coulomb' = [0.0, 1e3]", True),
-        ("[solver]\nmethod = 'frequency'\n[axes]\n'floats.front.coulomb' = [0.0, 1e3]", False),
+        ("[solver]\nmethod = 'frequency'\n[axes]\n'floats.front.coulomb' = [0.0, 1e3]", None),
         ("[solver]\nmethod = 'frequency'\n[axes]\n'floats.front.coulomb' = [1e3]\n'solver.method' = ['time']", True),
     ],
 )
 def test_kernels_of_laws_that_bend_are_told_apart(small, tmp_path, monkeypatch, more, bends):
-    """By the index in which numba names the arguments of what it compiled."""
+    """By the index in which numba names the arguments of what it compiled; nothing where no task marches."""
     told = []
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(actions, "say", lambda text, _console: told.append(text))
-    monkeypatch.setattr("pipeline.bridge.preflight.judge", lambda *_: [])
     path = small.with_name("more.toml")
     path.write_text(f"base = '{small.name}'\n{more}\n")
-    study = load(path)
     index = tmp_path / "coupled_1" / "march.march-20.py311.nbi"
     index.parent.mkdir()
     for kernels, silent in ((None, False), ("solver.coupled.march", not bends), (Fine.__module__, True)):
         if kernels:
             index.write_text(kernels)
-        actions.preflight(study, study.tasks)
-        assert (told == []) == silent
+        actions.tell_of_compiler(load(path).content)
+        assert (told == []) == (silent or bends is None)
         told.clear()
 
 
@@ -816,7 +818,8 @@ def test_a_failure_alone_makes_the_dataset_anew(small, tmp_path):
     for _ in range(2):
         with xr.open_dataset(dataset.current(study, store)) as data:
             states.append(sorted(set(data.status.values.ravel())))
-        store.failed(next(iter(study.tasks)), {"error": {"kind": "ValueError", "message": "too much", "traceback": ""}})
+        error = {"kind": "ValueError", "message": "too much", "traceback": ""}
+        store.keep([(next(iter(study.tasks)), None, {"error": error})])
     assert states == [["missing"], ["failed", "missing"]]
 
 
@@ -883,6 +886,14 @@ def test_every_sea_and_every_configuration_is_judged_before_anything_runs(three_
         (elastic, damping) for elastic in (True, False) for damping in (1e5, 2e5)
     } | {(True,)}
     assert len(judged) < len(study.tasks)
+
+
+def test_every_frame_is_reduced_once_wherever_its_hinges_are(small, engine):
+    axes = "[axes]\n'platform.damping_ratio' = [0.01, 0.02]\n'floats.front.hinge.0' = [-1.5, -1.6]"
+    small.write_text(small.read_text().replace("[axes]", axes))
+    study, reduced = load(small), []
+    preflight.judge(study, expand(study.content), replace(engine, reduce=reduced.append))
+    assert [p.platform.damping_ratio for p in reduced if p.platform and p.floats] == [0.01, 0.02]
 
 
 def test_odd_and_impossible_seas_are_named_whichever_they_are(three_seas, engine):
@@ -974,7 +985,7 @@ def test_a_plans_time_is_shared_by_its_workers(small, tmp_path, engine, workers,
     estimate = Estimate()
     for task in study.tasks:
         if task.labels["seed"] == 0:
-            store.done(task, b"record", {"wall_time": 10.4, "labels": dict(task.labels)})
+            store.keep([(task, b"record", {"wall_time": 10.4, "labels": dict(task.labels)})])
         estimate.see(task, store.look(task))
     assert f"; {time} on {workers} workers, from 6 tasks done" in estimate.words(tmp_path / "r", workers)
 
@@ -986,9 +997,27 @@ def test_a_plan_does_not_go_by_the_tasks_that_compiled(small, tmp_path, engine):
     for task in study.tasks:
         if (seed := task.labels["seed"]) < 4:
             seconds = 10.4 if seed else 1000.0
-            store.done(task, b"record", {"wall_time": seconds, "labels": dict(task.labels)})
+            store.keep([(task, b"record", {"wall_time": seconds, "labels": dict(task.labels)})])
         estimate.see(task, store.look(task))
     assert "; about 2 min on 1 workers, from 24 tasks done" in estimate.words(tmp_path / "r", 1)
+
+
+def test_a_plan_goes_by_tasks_in_packs(small, tmp_path, engine):
+    """Six of twelve tasks in the frequency domain took 3 s each, of the study itself or of another."""
+    small.write_text(small.read_text() + '\n[solver]\nmethod = "frequency"\n')
+    study, results = load(small), tmp_path / "r"
+    done = [task for task in study.tasks if task.labels["seed"] == 0]
+    rows = packed([({"task": Variable((), np.array(task.id), {})}, {}) for task in done])
+    status = {"wall_time": 3.0}
+    Store(results, "small").keep([(task, row, status) for task, row in zip(done, rows, strict=True)])
+    for name, told in (
+        ("small", "18 s on 1 workers, from 6 tasks done"),
+        ("b", "36 s on 1 workers, from 6 tasks of other"),
+    ):
+        estimate = Estimate()
+        for task in study.tasks:
+            estimate.see(task, Store(results, name).look(task))
+        assert told in estimate.words(results, 1)
 
 
 def test_a_plan_goes_by_tasks_of_the_same_method(small, tmp_path, engine):
@@ -997,7 +1026,7 @@ def test_a_plan_goes_by_tasks_of_the_same_method(small, tmp_path, engine):
     other.write_text(small.read_text() + '\n[solver]\nmethod = "frequency"\n')
     store, results = Store(tmp_path / "r", "small"), tmp_path / "r"
     for task in load(small).tasks:
-        store.done(task, b"record", {"wall_time": 1e6, "labels": dict(task.labels)})
+        store.keep([(task, b"record", {"wall_time": 1e6, "labels": dict(task.labels)})])
     for path, told in (
         (other, "; about 0 s on 1 workers, at 10 ms a task"),
         (other.with_name("again.toml"), "from 12 tasks of other studies"),

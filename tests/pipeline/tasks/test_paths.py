@@ -394,7 +394,9 @@ def test_what_else_of_hinges_varies_beside_their_distance_and_their_x_does_not(s
     text = small.read_text()
     content = varied(small, "hinge_spacing = [3.0, 4.0]", '"floats.*.hinge.1" = [0.0, 0.5]').content
     assert {t.parameters.floats[1].hinge for t in expand(content)} == {
-        (x, y, 2.6) for x in (1.5, 2.0) for y in (0.0, 0.5)
+        (x, y, 2.6)
+        for x in (5.5, 6.0)
+        for y in (0.0, 0.5)  # about 4 m, as they are
     }
     small.write_text(text)
     with pytest.raises(StudyError, match=r'hinge\.0": is varied along two dimensions'):
