@@ -21,6 +21,7 @@ from pipeline.report.yearly import (
     over_seas,
     prefix,
     remarks,
+    sea_keys,
     texts,
     weighed,
 )
@@ -126,7 +127,8 @@ def _several(data: xr.Dataset) -> bool:
 
 
 def _is_design(axis: xr.DataArray) -> bool:
-    return axis.name in CHOSEN or "floats." in axis.attrs.get("long_name", "")
+    """Whether along it designs differ, and the waves that they meet do not."""
+    return (axis.name in CHOSEN or "floats." in axis.attrs.get("long_name", "")) and not sea_keys(axis)
 
 
 def _whole(each: xr.DataArray, designs: Sequence[Hashable]) -> xr.DataArray:

@@ -122,6 +122,16 @@ def test_a_sample_has_no_end_and_tells_its_values():
     assert {line[1] for line in rows(alike)} == {"any"}
 
 
+def test_designs_that_meet_other_waves_are_not_compared():
+    """Of what changes seas or water, too, each stands by itself, and so does what makes other realizations."""
+    data = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(platform=[0]).rename(platform="tuned")
+    two = xr.concat([data, 2 * data], "tuned")
+    for path in ("sea.Hs", "waves.heading", "water.depth", "waves.base_seed"):
+        both = two.assign_coords(tuned=("tuned", [1, 2], {"long_name": f"Values of floats.only.mass, {path}"}))
+        assert [line[0] for line in rows(both)] == ["tuned 1, mild", "tuned 1, rough", "tuned 2, mild", "tuned 2, rough"]
+        assert not table(both.isel(pto_damping=[0])).lines
+
+
 def test_a_single_sea_has_its_name():
     one = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(sea_state=[1], platform=0, drop=True)
     assert [line[0] for line in rows(one)] == ["rough"]

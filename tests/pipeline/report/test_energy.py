@@ -1,6 +1,7 @@
 """Energy a year over sea states, of each float and of all, with intervals over realizations."""
 
 import numpy as np
+import pytest
 import xarray as xr
 from pytest import approx
 from rich.console import Console
@@ -110,6 +111,24 @@ def test_seas_that_an_axis_makes_have_no_part_in_how_often_others_come():
         bare.expand_dims(variant=["a", "b"]).assign_coords(Tp=(("sea_state", "variant"), [[5.0, 6.0], [8.0, 8.0]])),
     ):
         assert not table(data).lines and not any("all seas" in line[0] for line in best.table(data).lines)
+
+
+@pytest.mark.parametrize(
+    ("attrs", "other"),
+    [
+        ({"long_name": "file (sea_states.x.file)"}, True),
+        ({"long_name": "heading (waves.heading)"}, True),
+        ({"long_name": "Values of floats.x.mass, water.depth, sea.gamma"}, True),
+        ({"long_name": "Name of the set of values", "comment": "Values of solver.method, waves.form"}, True),
+        ({"long_name": "Values of waves.base_seed, waves.components, waves.intervals"}, False),
+        ({"long_name": "mass (floats.waves.mass)"}, False),
+    ],
+)
+def test_seas_that_an_axis_makes_are_known_by_its_paths(attrs, other):
+    """Other realizations are of the same seas; an axis of one label makes one sea of each."""
+    whole = dataset(MIRRORED)
+    data = xr.concat([whole, whole], "axis").assign_coords(axis=("axis", ["a", "b"], attrs))
+    assert bool(table(data).lines) != other and table(data.isel(axis=[0])).lines
 
 
 def test_a_float_that_is_lifted_out_in_some_seas_takes_nothing_there():
