@@ -233,4 +233,19 @@ def test_designs_alike_are_no_next_best():
     data = data.assign_coords(pto_damping=[1e5, 2e5])
     assert {line[5] for line in rows(data)} == {"hinge_spacing 4"}
     assert {line[5:7] for line in rows(data.isel(hinge_spacing=[0]))} == {("-", "-")}
-    assert {line[1] for line in rows(data.isel(seed=[0]))} == {"hinge_spacing 6 (an end), pto_damping 100000"}
+    assert {line[1] for line in rows(data.isel(seed=[0]))} == {"hinge_spacing 6 (an end), any pto_damping"}
+
+
+def test_an_axis_along_which_the_best_does_not_matter_has_any_value():
+    """As the damping of a float that a storm lifts out; not where that depends on another axis, which is then told."""
+    one = of_spacing([[4.0]], [[9.0]]).isel(hinge_spacing=0, drop=True)
+    labels = {name: (name, [1.0, 2.0], {"long_name": f"mass (floats.{name}.mass)"}) for name in ("front", "rear")}
+    for power, told in (
+        ([[2, 1], [1, 1]], "front 1 (an end), rear 1 (an end)"),
+        ([[2, 2], [1, 1]], "front 1 (an end), any rear"),
+        ([[2, 2], [2, 1]], "any front, rear 1"),
+        ([[2, 2], [2, 2]], "any"),
+        ([[2, np.nan], [1, np.nan]], "front 1 (an end), rear 1 (of 2 among 4)"),
+    ):
+        data = one.assign(absorbed_power=one.absorbed_power * xr.DataArray(power, labels, dims=[*labels]))
+        assert {line[1] for line in rows(data)} == {told}
