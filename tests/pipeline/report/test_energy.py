@@ -1,5 +1,8 @@
 """Energy a year over sea states, of each float and of all, with intervals over realizations."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,6 +14,7 @@ from pipeline.report import best
 from pipeline.report.energy import ALL, energies, rows, table
 from pipeline.report.yearly import OFF, SURVIVORS, show
 
+README = Path(__file__).parents[3] / "README.md"
 HOURS = 365.25 * 24
 STATISTICS = ["max", "min", "mean", "rms", "std"]
 
@@ -79,6 +83,12 @@ def test_a_line_for_each_float_and_label():
 def test_a_single_float_and_a_single_realization():
     (line,) = rows(dataset([[[2e3]], [[6e3]]]))
     assert line == ("front", "absorbed", "3", "-", "-", f"{3 * HOURS / 1e3:.3g}", "-", "-", "1")
+
+
+def test_the_readmes_line_is_of_all_floats_of_a_single_one_as_well():
+    (line,) = re.findall(r"^    (energies\(data\).*)$", README.read_text(encoding="utf-8"), re.M)
+    for power, total in ((MIRRORED, 0.75 * 3e3 + 0.25 * 12e3), ([[[2e3]], [[6e3]]], 3e3)):
+        assert eval(line, {"energies": energies, "data": dataset(power)}) == approx(total * HOURS / 1e6)
 
 
 def test_a_sea_state_without_a_number_leaves_none():
