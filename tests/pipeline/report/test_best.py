@@ -128,7 +128,12 @@ def test_designs_that_meet_other_waves_are_not_compared():
     two = xr.concat([data, 2 * data], "tuned")
     for path in ("sea.Hs", "waves.heading", "water.depth", "waves.base_seed"):
         both = two.assign_coords(tuned=("tuned", [1, 2], {"long_name": f"Values of floats.only.mass, {path}"}))
-        assert [line[0] for line in rows(both)] == ["tuned 1, mild", "tuned 1, rough", "tuned 2, mild", "tuned 2, rough"]
+        assert [line[0] for line in rows(both)] == [
+            "tuned 1, mild",
+            "tuned 1, rough",
+            "tuned 2, mild",
+            "tuned 2, rough",
+        ]
         assert not table(both.isel(pto_damping=[0])).lines
 
 
