@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import shlex
 import sys
 import time
 from collections import Counter
@@ -248,7 +249,9 @@ def new(
     path = name if name.suffix == ".toml" else name.with_name(f"{name.name}.toml")
     for made in starters.write(path, like):
         say(f"written: {made}")
-    say(f"`study plan {path}` says what would run; `study keys` what else a study file may say")
+    say(
+        f"`{shlex.join(['study', 'plan', str(path)])}` says what would run; `study keys` what else a study file may say"
+    )
 
 
 @app.command()

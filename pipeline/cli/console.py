@@ -23,8 +23,8 @@ DONE, FAILED, INCOMPLETE = 0, 1, 2
 
 
 def say(text: str, console: Console = out) -> None:
-    """A plain line, whatever is in it."""
-    print(text, file=console.file)
+    """A plain line, whatever is in it; at once, for `status --watch` may go to a file that somebody reads meanwhile."""
+    print(text, file=console.file, flush=True)
 
 
 def store_of(study: Study, results: Path) -> Store:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Literal
 
@@ -17,7 +18,7 @@ def write(path: Path, kind: Kind) -> list[Path]:
     check_name(path)
     text = (STARTERS / f"{kind}.toml").read_text(encoding="utf-8")
     mesh = path.with_suffix(".gdf")
-    made = {path: text.replace("{name}", path.stem).replace("{mesh}", mesh.name).encode()}
+    made = {path: text.replace("{name}.toml", shlex.quote(path.name)).replace("{mesh}", mesh.name).encode()}
     if kind == "mesh":
         made[mesh] = (STARTERS / MESH).read_bytes()
     if there := [each for each in made if each.exists() or each.is_symlink()]:

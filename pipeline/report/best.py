@@ -21,6 +21,7 @@ from pipeline.report.yearly import (
     over_seas,
     prefix,
     remarks,
+    sea_keys,
     texts,
     weighed,
 )
@@ -60,11 +61,18 @@ class _Compared(NamedTuple):
         """By what powers differ."""
         return SAME * abs(float(self.mean.isel(self.at)))
 
+    def alike(self, dims: Sequence[Hashable]) -> bool:
+        """Whether several along these do not, others as the best: as where all survive a storm by the same settings."""
+        some = self.mean.isel({dim: place for dim, place in self.at.items() if dim not in dims})
+        return int(some.notnull().sum()) > 1 and float(some.max() - some.min()) <= self.least
+
     @property
-    def alike(self) -> bool:
-        """Whether several do not: as where all of them survive a storm by the same settings."""
-        several = int(self.mean.notnull().sum()) > 1
-        return several and float(self.mean.max() - self.mean.min()) <= self.least
+    def free(self) -> list[Hashable]:
+        """Along which the best do not differ, whatever they are along the others of these: as of what is not there."""
+        free: list[Hashable] = []
+        for dim in self.at:
+            free += [dim] * (self.alike([dim]) and self.alike([*free, dim]))
+        return free
 
     @property
     def undecided(self) -> xr.DataArray:
@@ -111,8 +119,7 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
             # As of independent errors: those of one kind cancel in part, but nothing tells how much of them.
             both = (error**2 + error.isel(at, drop=True) ** 2) ** 0.5
             of = _Compared(mean, at, over_seas(each.isel(at, drop=True) - each, some), both)
-            named_by = (_label(mean[dim], at[dim]) + " (an end)" * _at_end(of, dim) for dim in designs)
-            chosen = "any" if of.alike else ", ".join(named_by)
+            chosen = "any" if of.alike(designs) else ", ".join(_chosen(of))
             if (known := int(mean.notnull().sum())) < mean.size:
                 chosen += f" (of {known} among {mean.size})"
             chosen += " (undecided)" * bool(not _several(data) and of.undecided.any())
@@ -126,7 +133,8 @@ def _several(data: xr.Dataset) -> bool:
 
 
 def _is_design(axis: xr.DataArray) -> bool:
-    return axis.name in CHOSEN or "floats." in axis.attrs.get("long_name", "")
+    """Whether along it designs differ, and the waves that they meet do not."""
+    return (axis.name in CHOSEN or "floats." in axis.attrs.get("long_name", "")) and not sea_keys(axis)
 
 
 def _whole(each: xr.DataArray, designs: Sequence[Hashable]) -> xr.DataArray:
@@ -159,6 +167,13 @@ def _label(axis: xr.DataArray, place: int) -> str:
 def _along(axis: xr.DataArray) -> list[tuple[Hashable, xr.DataArray]]:
     others = ((name, other) for name, other in axis.coords.items() if name not in (axis.name, *BESIDE))
     return [(name, other) for name, other in others if other.dims == axis.dims]
+
+
+def _chosen(of: _Compared) -> Iterator[str]:
+    """The best along each axis."""
+    for dim, place in of.at.items():
+        label = _label(of.mean[dim], place) + " (an end)" * _at_end(of, dim)
+        yield f"any {dim}" if dim in of.free else label
 
 
 def _at_end(of: _Compared, dim: Hashable) -> bool:

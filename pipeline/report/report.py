@@ -357,11 +357,14 @@ def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     """Variable, statistic, mean, least, largest and unit, as text, of each component that there is.
 
     What is rounding beside the variable's largest is 0, as the force of a hinge along an axis that it leaves free.
+    Electrical power of a float without an efficiency is what it absorbs, as in its energy.
     """
     for label in data.data_vars:
         known = "statistic" in data[label].dims or label in AT_STOPS
         if not known or (values := data[label].compute()).isnull().all():
             continue
+        if label == "electrical_power":
+            values = values.fillna(data["absorbed_power"].compute())
         if label in AT_STOPS:
             values = values.expand_dims(statistic=[""])
         size = abs(values)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Collection, Hashable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -24,6 +25,8 @@ FULL = 8700.0, 8800.0  # between these they are those of a year [h]
 # Sums of shares, percent, per mille, and of counts that scatter diagrams have; not 10,000, which hours might be.
 WHOLE = 1.0, 1e2, 1e3, 1e5, 1e6
 KNOWN = ("Hs", "Tp", "wave_height", "wave_period")  # numbers of sea states, along what changes them
+OF_SEAS = re.compile(r"(?<![^ (])(?:sea|sea_states|waves|water)\.([^ ,)]+)")  # in a text with dotted paths
+RECORDS = {"base_seed", "components", "intervals"}  # of waves: other realizations of the same seas
 RUN = ("done", "stale", "failed")  # statuses of tasks that have run
 FAILED = "failed_realizations"
 ERROR = "record_error"  # what a task's number may be off by, in its unit
@@ -163,7 +166,13 @@ def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
 def weighed(data: xr.Dataset) -> xr.Dataset:
     """Without `occurrence` where an axis makes other seas of the sea states: how often those come nobody said."""
     other = any(name in data.coords and set(data[name].dims) - {"sea_state"} for name in KNOWN)
+    other |= any(size > 1 and sea_keys(data[dim]) - RECORDS for dim, size in data.sizes.items())
     return data.drop_vars("occurrence", errors="ignore") if other else data
+
+
+def sea_keys(axis: xr.DataArray) -> set[str]:
+    """Keys of seas, waves and water that go along a dimension, as its attributes name their paths."""
+    return {key for name in ("long_name", "comment") for key in OF_SEAS.findall(axis.attrs.get(name, ""))}
 
 
 def of_part(data: xr.Dataset) -> str:

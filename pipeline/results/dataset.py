@@ -29,7 +29,7 @@ SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
 TOLD = ("failure", "unmet", "warnings")  # of an entry, in words
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
-LAYOUT = 7  # raise it when the dataset's form changes, so that it is written anew
+LAYOUT = 8  # raise it when the dataset's form changes, so that it is written anew
 
 
 Cell = tuple[int, ...]

@@ -273,7 +273,8 @@ def _spectral(of: dict[str, str], pattern: str, words: str) -> dict[str, str]:
 def meaning_of(axis: Axis, motions: Mapping[str, Collection[str]]) -> dict[str, str]:
     """Attributes of a dimension over keys: unit and path of its only key; motions: of each float's joint."""
     if axis.name in COORDINATES and not any(" or " in unit(path) for path in axis.keys):  # which goes by the motions
-        return COORDINATES[axis.name].attrs()
+        attrs = COORDINATES[axis.name].attrs()
+        return attrs if axis.own or not axis.keys else {**attrs, "comment": f"Values of {', '.join(axis.keys)}"}
     if not axis.own:
         units = {} if isinstance(axis.labels[0], str) else {"units": "1"}
         return {**units, "long_name": f"Values of {', '.join(axis.keys)}"}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import shlex
 from bisect import bisect_left
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
@@ -48,7 +49,8 @@ def find(study: Study, words: Iterable[str]) -> set[str]:
         else:
             ids = {task.id for task in study.tasks.passing() if task.id.startswith(word)}
         if not ids:
-            raise StudyError(study.path, [f"task = {word}: no such task; `study plan {study.path}` lists them"])
+            plan = shlex.join(["study", "plan", str(study.path)])
+            raise StudyError(study.path, [f"task = {word}: no such task; `{plan}` lists them"])
         if len(ids) > 1 and "=" not in word:
             raise StudyError(study.path, [f"task = {word}: {len(ids)} tasks begin so; give more digits"])
         chosen |= ids

@@ -58,6 +58,15 @@ def test_a_commented_line_is_a_study_too(tmp_path):
     assert planned.exit_code == 0 and "arm=3" in planned.output and "6 tasks" in planned.output
 
 
+def test_what_is_to_be_typed_can_be(tmp_path):
+    """Of a study whose name has a space: after `new`, in the file itself, and of a task that it lacks."""
+    path = tmp_path / "mein Körper.toml"
+    assert f"`study plan '{path}'` says" in study("new", tmp_path / "mein Körper").output
+    assert "# `study plan 'mein Körper.toml'` says" in path.read_text(encoding="utf-8")
+    shown = study("show", path, "x", "--results", tmp_path / "r")
+    assert f"no such task; `study plan '{path}'` lists them" in str(shown.exception)
+
+
 def test_nothing_is_written_over(tmp_path):
     assert study("new", tmp_path / "mine").exit_code == 0
     before = (tmp_path / "mine.toml").read_bytes()

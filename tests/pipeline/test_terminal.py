@@ -33,6 +33,12 @@ def test_a_long_pass_shows_how_far_it_is_and_an_estimate(screen):
     assert "64/640" not in text
 
 
+def test_what_is_said_is_in_a_file_at_once(tmp_path):
+    with (tmp_path / "log").open("w") as file:
+        console.say("54 tasks: 50 done, 4 missing", Console(file=file))
+        assert (tmp_path / "log").read_text() == "54 tasks: 50 done, 4 missing\n"
+
+
 def test_a_short_pass_is_quiet(screen):
     assert list(terminal.passing(range(128), 128, "naming tasks")) == list(range(128))
     assert screen.getvalue() == ""

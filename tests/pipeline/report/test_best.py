@@ -122,6 +122,21 @@ def test_a_sample_has_no_end_and_tells_its_values():
     assert {line[1] for line in rows(alike)} == {"any"}
 
 
+def test_designs_that_meet_other_waves_are_not_compared():
+    """Of what changes seas or water, too, each stands by itself, and so does what makes other realizations."""
+    data = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(platform=[0]).rename(platform="tuned")
+    two = xr.concat([data, 2 * data], "tuned")
+    for path in ("sea.Hs", "waves.heading", "water.depth", "waves.base_seed"):
+        both = two.assign_coords(tuned=("tuned", [1, 2], {"long_name": f"Values of floats.only.mass, {path}"}))
+        assert [line[0] for line in rows(both)] == [
+            "tuned 1, mild",
+            "tuned 1, rough",
+            "tuned 2, mild",
+            "tuned 2, rough",
+        ]
+        assert not table(both.isel(pto_damping=[0])).lines
+
+
 def test_a_single_sea_has_its_name():
     one = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(sea_state=[1], platform=0, drop=True)
     assert [line[0] for line in rows(one)] == ["rough"]
@@ -223,4 +238,19 @@ def test_designs_alike_are_no_next_best():
     data = data.assign_coords(pto_damping=[1e5, 2e5])
     assert {line[5] for line in rows(data)} == {"hinge_spacing 4"}
     assert {line[5:7] for line in rows(data.isel(hinge_spacing=[0]))} == {("-", "-")}
-    assert {line[1] for line in rows(data.isel(seed=[0]))} == {"hinge_spacing 6 (an end), pto_damping 100000"}
+    assert {line[1] for line in rows(data.isel(seed=[0]))} == {"hinge_spacing 6 (an end), any pto_damping"}
+
+
+def test_an_axis_along_which_the_best_does_not_matter_has_any_value():
+    """As the damping of a float that a storm lifts out; not where that depends on another axis, which is then told."""
+    one = of_spacing([[4.0]], [[9.0]]).isel(hinge_spacing=0, drop=True)
+    labels = {name: (name, [1.0, 2.0], {"long_name": f"mass (floats.{name}.mass)"}) for name in ("front", "rear")}
+    for power, told in (
+        ([[2, 1], [1, 1]], "front 1 (an end), rear 1 (an end)"),
+        ([[2, 2], [1, 1]], "front 1 (an end), any rear"),
+        ([[2, 2], [2, 1]], "any front, rear 1"),
+        ([[2, 2], [2, 2]], "any"),
+        ([[2, np.nan], [1, np.nan]], "front 1 (an end), rear 1 (of 2 among 4)"),
+    ):
+        data = one.assign(absorbed_power=one.absorbed_power * xr.DataArray(power, labels, dims=[*labels]))
+        assert {line[1] for line in rows(data)} == {told}

@@ -1,6 +1,10 @@
 """Energy a year over sea states, of each float and of all, with intervals over realizations."""
 
+import re
+from pathlib import Path
+
 import numpy as np
+import pytest
 import xarray as xr
 from pytest import approx
 from rich.console import Console
@@ -10,6 +14,7 @@ from pipeline.report import best
 from pipeline.report.energy import ALL, energies, rows, table
 from pipeline.report.yearly import OFF, SURVIVORS, show
 
+README = Path(__file__).parents[3] / "README.md"
 HOURS = 365.25 * 24
 STATISTICS = ["max", "min", "mean", "rms", "std"]
 
@@ -80,6 +85,12 @@ def test_a_single_float_and_a_single_realization():
     assert line == ("front", "absorbed", "3", "-", "-", f"{3 * HOURS / 1e3:.3g}", "-", "-", "1")
 
 
+def test_the_readmes_line_is_of_all_floats_of_a_single_one_as_well():
+    (line,) = re.findall(r"^    (energies\(data\).*)$", README.read_text(encoding="utf-8"), re.M)
+    for power, total in ((MIRRORED, 0.75 * 3e3 + 0.25 * 12e3), ([[[2e3]], [[6e3]]], 3e3)):
+        assert eval(line, {"energies": energies, "data": dataset(power)}) == approx(total * HOURS / 1e6)
+
+
 def test_a_sea_state_without_a_number_leaves_none():
     assert [line[2:] for line in rows(dataset([[[np.nan] * 2], [[1e3] * 2]]))] == [(*6 * ["-"], "0 to 1, 1 failed")] * 3
 
@@ -110,6 +121,24 @@ def test_seas_that_an_axis_makes_have_no_part_in_how_often_others_come():
         bare.expand_dims(variant=["a", "b"]).assign_coords(Tp=(("sea_state", "variant"), [[5.0, 6.0], [8.0, 8.0]])),
     ):
         assert not table(data).lines and not any("all seas" in line[0] for line in best.table(data).lines)
+
+
+@pytest.mark.parametrize(
+    ("attrs", "other"),
+    [
+        ({"long_name": "file (sea_states.x.file)"}, True),
+        ({"long_name": "heading (waves.heading)"}, True),
+        ({"long_name": "Values of floats.x.mass, water.depth, sea.gamma"}, True),
+        ({"long_name": "Name of the set of values", "comment": "Values of solver.method, waves.form"}, True),
+        ({"long_name": "Values of waves.base_seed, waves.components, waves.intervals"}, False),
+        ({"long_name": "mass (floats.waves.mass)"}, False),
+    ],
+)
+def test_seas_that_an_axis_makes_are_known_by_its_paths(attrs, other):
+    """Other realizations are of the same seas; an axis of one label makes one sea of each."""
+    whole = dataset(MIRRORED)
+    data = xr.concat([whole, whole], "axis").assign_coords(axis=("axis", ["a", "b"], attrs))
+    assert bool(table(data).lines) != other and table(data.isel(axis=[0])).lines
 
 
 def test_a_float_that_is_lifted_out_in_some_seas_takes_nothing_there():

@@ -382,3 +382,14 @@ def test_components_have_lines_of_their_own_and_those_that_there_are_none_of_hav
     ]
     none = (0.0 * force).fillna(0.0)
     assert len(list(report.summary_rows(none.to_dataset(name="base_shear")))) == 6
+
+
+def test_electrical_power_is_of_the_floats_that_absorb(data):
+    """Of one without an efficiency what it absorbs; a mean over the others alone might exceed the absorbed one."""
+    power = data.absorbed_power.expand_dims(statistic=["mean"])
+    share = xr.DataArray([np.nan, 0.8], dims="float")
+    lines = report.summary_rows(xr.Dataset({"absorbed_power": power, "electrical_power": share * power}))
+    assert [line[:5] for line in lines] == [
+        ("absorbed_power", "mean", "3500", "1000", "6000"),
+        ("electrical_power", "mean", "3000", "1000", "4800"),
+    ]

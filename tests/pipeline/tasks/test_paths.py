@@ -431,6 +431,15 @@ def test_damping_has_the_unit_that_goes_with_the_motions(motions, unit):
     assert meaning_of(axis, {"front": motions, "rear": ["surge", "yaw"]}).get("units") == unit
 
 
+def test_variants_tell_the_paths_of_their_values(small):
+    """Those too that are no coordinates, by which reports know that variants make other seas."""
+    text = small.read_text()
+    for keys, told in (('"waves.spectrum" = "jonswap"', "Values of waves.spectrum"), ("", None)):
+        small.write_text(f"{text}\n[variants.usual]\n[variants.other]\n{keys}")
+        (axis,) = load(small).content.varied
+        assert meaning_of(axis, {}).get("comment") == told
+
+
 def test_a_dimension_has_the_last_word_or_the_whole_path_where_two_would_clash(small):
     study = varied(
         small, '"water.depth" = [50.0]', '"floats.front.mass" = [2147.0]', '"platform.sections.tube.diameter" = [1.0]',
