@@ -126,7 +126,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         attrs |= figures | {"unmet": "; ".join(note for note in said if note)}
     counted = None
     if channels.steel is not None and channels.steel.counts:
-        counted = _counted(channels.steel, platform)
+        counted = _counted(channels.steel, platform, waves)
     further = drifting | dict(strokes(case, response))
     if "moments" in scene.settings.outputs:
         each = ((of, case.omega) for of in linear), ((of, platform.process.omega) for of in of_platform)
@@ -137,13 +137,14 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     )
 
 
-def _counted(steel: Steel, platform: OfPlatform) -> tuple[dict[str, Labelled], tuple[str, ...]]:
-    """Of a sea's lines, or of one harmonic; with overtones by rainflow of many of its periods."""
+def _counted(steel: Steel, platform: OfPlatform, waves: int) -> tuple[dict[str, Labelled], tuple[str, ...]]:
+    """Of a random sea's lines, or of one harmonic; else by rainflow of their sum, of many periods where it has one."""
     of, (level, lines) = platform.process, platform.frame
-    if of.omega.size == 1 or not of.known or of.duration > 2 * np.pi / of.omega.min():
+    if of.omega.size == 1 or not of.known:
         return steel.expected(lines, of.omega)
-    period = level + np.concatenate([*of.blocks(lines)])
-    return steel.counted(steel.ends(np.tile(period, (CYCLES, 1))), CYCLES * of.duration)
+    bent = steel.ends(level + np.concatenate([*of.blocks(lines)]))
+    again = CYCLES if waves == 1 else 1
+    return steel.counted({at: np.tile(forces, (again, 1, 1)) for at, forces in bent.items()}, again * of.duration)
 
 
 def _law_effect(case: Case, response: Response, scene: Scene) -> float:
