@@ -28,6 +28,7 @@ LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m
 GYRATION = 0.1, 10.0  # of the edge of a cube as large as a hull, and of its size: radii of gyration are between them
 FAR = 10.0  # hulls' sizes, from their reference point: no centre of gravity is as far
 TONNES = 0.3, 25.0  # [t/m3] that frames are of, timber to heavy metal; some are of nothing, or next to it
+HANGING = 1.1  # times the weight of a line that hangs straight down at rest: it pulls so where waves lift its float
 FEW = 10.0  # mean periods: from one record of so many to the next the std of a random sea scatters by a fifth
 RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
 STEEPEST = (8.0, 15.0), (1 / 15, 1 / 25)  # 2π Hs/(g Tp²) that seas have by Tp [s], DNV-RP-C205
@@ -289,14 +290,15 @@ def of_motions(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarra
 
 
 def snapped(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """A sentence for each line, taut at rest, whose least tension is less than its weight in water."""
+    """A sentence for each line, taut at rest, whose least tension is about the weight of what hangs straight down."""
     if "line_tension" not in tables:
         return
     least = iter(tables["line_tension"][:, STATISTICS.index("min")])
     for f in scene.floats:
         for number, (line, pull) in enumerate(zip(f.lines, line_pulls(f.lines, f.centre), strict=True), 1):
-            weight, tension = line.weight * line.length, next(least)
-            if tension < weight < np.linalg.norm(pull):
+            hanging = line.weight * (f.centre[2] + line.fairlead[2] - line.anchor[2])
+            tension = next(least)
+            if tension < HANGING * hanging and line.weight * line.length < np.linalg.norm(pull):
                 yield (
                     f"floats.{f.name}.lines: line {number}, {np.linalg.norm(pull):.4g} N at rest, goes slack, down to"
                     f" {tension:.4g} N: as it snaps a run depends on its last digits, which the estimated error does"

@@ -188,7 +188,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         *late,
         *recorder.settling.notes(channels),
         *from_rest(system, hydrodynamics),
-        *above(scene, tables, attrs["stored_energy_change"]),
+        *above(scene, tables, attrs["estimated_error"], attrs["stored_energy_change"]),
         *unjudged(hydrodynamics),
         *doubted,
     ):

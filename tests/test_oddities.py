@@ -279,16 +279,22 @@ def test_a_mean_that_the_incident_waves_alone_make_is_told(froude_krylov, pull, 
     assert ("floats.barge: its mean surge, 0.2 m, is by the incident waves' pressure" in said) == told
 
 
-@pytest.mark.parametrize(("length", "least", "told"), [(27.4, 5e3, True), (27.4, 2e4, False), (31.0, 1e3, False)])
-def test_a_taut_line_that_goes_slack_is_told(length, least, told):
-    """Below its own weight, 8.2 kN; a chain that hangs bears less at rest."""
+@pytest.mark.parametrize(
+    ("away", "length", "rest", "least", "told"),
+    [
+        (0.0, 27.4, 7.71e4, 5e3, True), (0.0, 27.4, 7.71e4, 2e4, False), (0.0, 31.0, 8.25e3, 1e3, False),
+        (100.0, 104.0, 8.098e4, 9e3, True), (100.0, 104.0, 8.098e4, 2e4, False),
+    ],
+)  # fmt: skip
+def test_a_taut_line_that_goes_slack_is_told(away, length, rest, least, told):
+    """Down to the weight of what hangs, 8.2 kN; not to its own, of which the seabed bears a part; no slack one."""
     item, _ = soft_mooring()
     (barge,) = item.floats
-    line = Line(anchor=(0.0, 0.0, -30.0), fairlead=(0.0, 0.0, -2.5), length=length, weight=300.0, EA=2e7)
+    line = Line(anchor=(-away, 0.0, -30.0), fairlead=(0.0, 0.0, -2.5), length=length, weight=300.0, EA=2e7)
     item = replace(item, floats=(replace(barge, lines=(line,)),))
     table = np.full((1, 5), least)
     said = "; ".join(snapped(item, {"line_tension": table}))
-    assert (f"floats.barge.lines: line 1, 7.71e+04 N at rest, goes slack, down to {least:.4g} N" in said) == told
+    assert (f"floats.barge.lines: line 1, {rest:.4g} N at rest, goes slack, down to {least:.4g} N" in said) == told
     assert not told or not list(snapped(item, {}))
 
 

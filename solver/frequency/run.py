@@ -105,7 +105,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *skewed(turning.extremes),
         *([NO_BALANCE] if turning.error == UNTOLD else []),
         *slipping,
-        *above(scene, tables),
+        *above(scene, tables, errors["estimated_error"]),
         *unjudged(hydrodynamics),
         *doubted,
     ):

@@ -146,7 +146,7 @@ def simulate_reference(
         *late,
         *recorder.settling.notes(channels),
         *from_rest(case.system, hydrodynamics),
-        *above(scene, tables, change),
+        *above(scene, tables, audited["estimated_error"], change),
         *unjudged(hydrodynamics),
         *doubted,
     ):

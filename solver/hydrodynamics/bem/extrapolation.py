@@ -73,15 +73,18 @@ def extrapolated(
     left = (divisions[1] / divisions[0]) ** NEXT
     coarser = _limits(solutions[1:], divisions[1:])
     differ = [left / (1 - left) * (b - c) for b, c in zip(best, coarser, strict=True)]
+    # Added mass and damping by themselves; parts of what waves do go with the phase in which they arrive.
+    step[0], differ[0], limits = real_parts(step[0]), real_parts(differ[0]), [real_parts(best[0]), *best[1:]]
     for k in [k for k in (0, 2, 3) if step[k].size]:
         differ[k] = _at_most(MOST, step[k], differ[k])
-    return best, [_at_least(LEAST / count, b, off) for b, off in zip(best, differ, strict=True)]
+    impedance, *others = (_at_least(LEAST / count, b, off) for b, off in zip(limits, differ, strict=True))
+    return best, [impedance.view(complex), *others]
 
 
 def _at_most(times: float, step: np.ndarray, off: np.ndarray) -> np.ndarray:
-    """`off` (nw, …), but no more than some times the largest step nearby; real and imaginary parts by themselves."""
-    most = times * maximum_filter1d(np.abs(real_parts(step)), 2 * NEARBY + 1, axis=0, mode="nearest")
-    return np.clip(real_parts(off), -most, most).view(complex)
+    """`off` (nw, …), but no larger than some times the largest step nearby."""
+    most = times * maximum_filter1d(np.abs(step), 2 * NEARBY + 1, axis=0, mode="nearest")
+    return np.where(np.abs(off) > most, most * np.sign(off), off)
 
 
 def _stands_out(taken: np.ndarray) -> np.ndarray:
@@ -91,9 +94,7 @@ def _stands_out(taken: np.ndarray) -> np.ndarray:
 
 
 def _at_least(share: float, x: np.ndarray, off: np.ndarray) -> np.ndarray:
-    """What x is off by, and no less than its share; real and imaginary parts by themselves."""
-    if np.iscomplexobj(x):
-        return _at_least(share, x.real, off.real) + 1j * _at_least(share, x.imag, off.imag)
+    """What x is off by, and no less than its share."""
     return np.where(np.abs(off) < share * np.abs(x), share * x, off)
 
 

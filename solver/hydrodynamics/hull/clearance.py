@@ -16,6 +16,7 @@ SAME = 1e-9  # [m]
 SIDES = 12  # points across the smaller surface
 SLIP = 0.01  # of the smallest surface
 FINE = 432  # panels that stand for a hull of revolution
+ALONG = np.linspace(0.0, 1.0, 65)  # of a part of a meridian
 SQUARE = np.array([[-1.0, -1.0], [1.0, 1.0]])
 
 
@@ -31,16 +32,26 @@ Point = tuple[float, ...]
 def _touching(a: Hull, at: Point, b: Hull, other: Point) -> bool:
     """The same; scenes that differ in their joints alone ask it again.
 
-    Where both the circles and the rectangles about them overlap, wetted surfaces decide unless both are bodies of
-    revolution, which stand through still water: one may lie in the other's well, above or below it, or adjoin it where
-    both are open.
+    Where both the circles and the rectangles about them overlap, whole radii at each height decide of two bodies of
+    revolution, wetted surfaces of others: one may lie in the other's well, above or below it, or adjoin it where both
+    are open.
     """
     way = np.subtract(other, at)
     box, other_box = _rectangle(a) + at[:2], _rectangle(b) + other[:2]
     gap = np.maximum(box[0] - other_box[1], other_box[0] - box[1])
     if np.linalg.norm(way) > reach(a) + reach(b) or np.any(gap > 0):
         return False
-    return all(isinstance(h, Revolution) for h in (a, b)) or _meeting(a, b, tuple(float(x) for x in way[:2]))
+    if isinstance(a, Revolution) and isinstance(b, Revolution):
+        return bool(np.linalg.norm(way) <= _widest(a, b))
+    return _meeting(a, b, tuple(float(x) for x in way[:2]))
+
+
+def _widest(*hulls: Revolution) -> float:
+    """Largest sum of radii at one height [m]; level parts end where others are as wide."""
+    lines = [[s.at(ALONG)[:: 1 if s.start[1] < s.end[1] else -1].T for s in h.meridian] for h in hulls]
+    heights = np.concatenate([z for each in lines for _, z in each])
+    radii = [[np.interp(heights, z, r, -np.inf, -np.inf) for r, z in each if z[0] < z[-1]] for each in lines]
+    return float(sum(np.max(each, axis=0) for each in radii).max())
 
 
 @lru_cache(maxsize=64)

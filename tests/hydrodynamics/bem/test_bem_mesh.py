@@ -281,6 +281,17 @@ def test_what_panels_do_to_a_hemisphere_s_power_is_told():
     assert np.max(ratio) < 4 and np.max(true) > 5e-4 and 1 / 3 < np.max(true) / np.max(told) < 3, (true, told)
 
 
+def test_errors_told_are_the_same_wherever_a_float_is():
+    """Along the waves and across: what three meshes leave had the phase of the waves' arrival, and power with it."""
+    here, *moved = (
+        solve((CYLINDER,), np.array([[x, y, 0.0]]), panels=108) for x, y in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
+    )
+    for h in moved:
+        waves = here.error.diffraction * h.arrival(OMEGA)
+        for told, known in zip(h.error, here.error._replace(diffraction=waves), strict=True):
+            assert told == approx(known, rel=1e-6, abs=1e-9 * np.abs(known).max())
+
+
 ROUND = {
     "disc": Revolution.vertical_cylinder(radius=3.0, draft=2.0, freeboard=2.0),
     "can": Revolution.vertical_cylinder(radius=3.0, draft=10.0, freeboard=2.0),

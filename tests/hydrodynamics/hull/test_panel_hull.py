@@ -173,6 +173,19 @@ def test_bodies_are_judged_by_their_surfaces():
     assert not touching(large, np.zeros(3), small, np.array([2.6, 0, 0]))
 
 
+def test_bodies_of_revolution_touch_where_both_are_wide_at_one_height():
+    """A ball above a spar's plate and at the spar, a can down to the plate, shoulders in air, walls side by side."""
+    line = [(8.0, -20.0), (8.0, -19.5), (2.0, -19.5), (2.0, 3.0), (5.0, 3.0), (5.0, 4.0)]
+    spar, still = Revolution.profile(line), np.zeros(3)
+    ball, tall = (Revolution.sphere(radius=2.5, draft=d) for d in (2.5, 1.4))
+    deep = Revolution.vertical_cylinder(radius=1.0, draft=19.6, freeboard=1.0)
+    for hull, at, touches in ((ball, 4.6, False), (ball, 4.4, True), (deep, 8.9, True), (tall, 6.6, True)):
+        for a, b in ((spar, hull), (hull, spar)):
+            assert touching(a, still, b, np.array([0.0, -at, 0.0])) is touches, at
+    can = Revolution.vertical_cylinder(radius=1.1, draft=2.0, freeboard=1.0)
+    assert touching(can, still, can, np.array([2.2, 0, 0])) and not touching(can, still, can, np.array([2.21, 0, 0]))
+
+
 @pytest.mark.parametrize(
     ("mesh", "reason"),
     [
