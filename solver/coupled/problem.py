@@ -43,7 +43,7 @@ class Drive(NamedTuple):
 
 
 class Between(NamedTuple):
-    """Middles and ends of the pieces of steps that are cut, and starts where loads jump, as Output's, in their order."""
+    """Middles and ends of the pieces of steps that are cut, and starts where loads may jump, in their order."""
 
     z: np.ndarray
     dz: np.ndarray

@@ -52,10 +52,7 @@ def keep(
         between.contact[n + s] = 0.0
         for k in range(problem.bent.size):
             i = problem.bent[k]
-            pto = room.stage.zone[PTO_ZONE, i]
-            between.contact[n + s, k, HOLDS] = 1.0 if pto == HELD else 0.0
-            between.contact[n + s, k, LET_GO] = 1.0 if abs(pto) == GONE else 0.0
-            between.contact[n + s, k, BEYOND] = _over_law(problem, room, s, i)
+            _put_contact(between.contact[n + s, k], room.stage.zone[PTO_ZONE, i], _over_law(problem, room, s, i))
     between.number[0] = n + 2
 
 
@@ -83,12 +80,17 @@ def keep_jump(
     between.contact[n] = 0.0
     for k in range(problem.bent.size):
         i = problem.bent[k]
-        pto = room.stage.zone[PTO_ZONE, i]
-        between.contact[n, k, HOLDS] = 1.0 if pto == HELD else 0.0
-        between.contact[n, k, LET_GO] = 1.0 if abs(pto) == GONE else 0.0
-        y, dy = room.start.z[i], room.start.dz[i]
-        between.contact[n, k, BEYOND] = beyond_law(problem.bodies.law, i, pto, y, dy, state.held[i])
+        pto, y, dy = room.stage.zone[PTO_ZONE, i], room.start.z[i], room.start.dz[i]
+        _put_contact(between.contact[n, k], pto, beyond_law(problem.bodies.law, i, pto, y, dy, state.held[i]))
     between.number[0] = n + 1
+
+
+@kernel(inline="always")
+def _put_contact(contact: np.ndarray, pto: int, beyond: float) -> None:
+    """Of an axis, by the zone of its power take-off."""
+    contact[HOLDS] = 1.0 if pto == HELD else 0.0
+    contact[LET_GO] = 1.0 if abs(pto) == GONE else 0.0
+    contact[BEYOND] = beyond
 
 
 @lean_kernel
