@@ -43,7 +43,7 @@ class Drive(NamedTuple):
 
 
 class Between(NamedTuple):
-    """Middles and ends of the pieces of steps that are cut, as Output's, in their order; `at` counts samples of it."""
+    """Middles and ends of the pieces of steps that are cut, and starts where loads may jump, in their order."""
 
     z: np.ndarray
     dz: np.ndarray
@@ -58,7 +58,6 @@ class Between(NamedTuple):
     weight: np.ndarray  # (k,) in the mean over the time between two samples
     row: np.ndarray  # (k,) the row which that time ends at
     number: np.ndarray  # (1,) of what there is
-    follows: np.ndarray  # (1,) whether the next piece begins with the loads that the last one ended with
 
 
 class Output(NamedTuple):
@@ -176,9 +175,9 @@ def new_output(problem: Problem, samples: int) -> Output:
 
 def whole_output(parts: Sequence[np.ndarray], contact: np.ndarray, struck: np.ndarray, room: int = 0) -> Output:
     """Of the arrays z to drag, no step of which is cut yet; room for so many middles and ends of pieces."""
-    rows = room if contact.shape[1] else 0
+    rows = room + 1 if contact.shape[1] else 0  # the last one is scratch
     arrays: list[Any] = [np.empty((rows, *part.shape[1:])) for part in (*parts, contact)]
-    arrays += [np.empty(rows), np.empty(rows), np.empty(rows, np.int64), np.zeros(1, np.int64), np.zeros(1, np.bool_)]
+    arrays += [np.empty(rows), np.empty(rows), np.empty(rows, np.int64), np.zeros(1, np.int64)]
     between = Between(*arrays)
     given: list[Any] = [*parts, contact, struck, np.full(len(contact), UNCUT), between]
     return Output(*given)

@@ -358,7 +358,7 @@ def _weight_and_inertia(bodies: Bodies, b: int, motion: Motion, W: np.ndarray) -
 @lean_kernel
 def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
     """M (nz, nz) of the floats with the added mass at infinite frequency."""
-    nb, nr = bodies.axes.size, bodies.active.size
+    nb = bodies.axes.size
     M[:] = 0.0
     block, column, lever = motion.scratch[:6], motion.scratch[6], motion.scratch[7]
     for b in range(nb):
@@ -366,15 +366,46 @@ def mass_matrix(bodies: Bodies, motion: Motion, M: np.ndarray) -> None:
         _project(bodies, motion, b, b, block, column, M)
     for b in range(nb):
         for c in range(nb):
-            block[:] = 0.0
-            for r in range(nr):
-                for s in range(nr):
-                    block[bodies.active[r], bodies.active[s]] = bodies.added_mass[b * nr + r, c * nr + s]
-            if bodies.turning:
-                _turn_block(motion.rotation[b], motion.rotation[c], block)
+            _added_mass(bodies, motion, b, c, block)
             _project(bodies, motion, b, c, block, column, M)
     for i in range(bodies.mechanism.size):
         M[i, i] += bodies.mechanism[i]
+
+
+@lean_kernel
+def take_inertia(bodies: Bodies, motion: Motion, ddz: np.ndarray, wrench: np.ndarray) -> None:
+    """wrench (nb, 6) -= what d'Alembert's loads and added mass at infinite frequency are of accelerations ddz (nz,)."""
+    X, a, lever = motion.scratch[:6], motion.scratch[6], motion.scratch[7]
+    for c in range(bodies.axes.size):
+        _spatial_inertia(bodies, c, motion.rotation[c], X, lever)
+        a[:] = 0.0
+        for j in range(bodies.axes[c]):
+            for r in range(6):
+                a[r] += motion.jacobian[c, r, j] * ddz[bodies.coordinate[c, j]]
+        _take(X, a, wrench[c])
+        for b in range(bodies.axes.size):
+            _added_mass(bodies, motion, b, c, X)
+            _take(X, a, wrench[b])
+
+
+@lean_kernel
+def _take(X: np.ndarray, a: np.ndarray, W: np.ndarray) -> None:
+    """W (6,) -= X a."""
+    for r in range(6):
+        for s in range(6):
+            W[r] -= X[r, s] * a[s]
+
+
+@lean_kernel
+def _added_mass(bodies: Bodies, motion: Motion, b: int, c: int, X: np.ndarray) -> None:
+    """X (6, 6) <- that of body b with the accelerations of c, along the axes of space."""
+    nr = bodies.active.size
+    X[:] = 0.0
+    for r in range(nr):
+        for s in range(nr):
+            X[bodies.active[r], bodies.active[s]] = bodies.added_mass[b * nr + r, c * nr + s]
+    if bodies.turning:
+        _turn_block(motion.rotation[b], motion.rotation[c], X)
 
 
 @lean_kernel

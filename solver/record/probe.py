@@ -13,7 +13,7 @@ from solver.coupled.blocks import blocks
 from solver.coupled.histories import missed
 from solver.coupled.linear import linear_model
 from solver.coupled.preparation import prepare
-from solver.coupled.problem import HITS, Output
+from solver.coupled.problem import HITS, UNCUT, Output
 from solver.coupled.stages import State, copied
 from solver.coupled.system import System
 from solver.errors import StepTooLong
@@ -53,8 +53,8 @@ def probed(scene: Scene, steps: int) -> Scene:
 class Probe:
     """Keeps what PROBE usual steps of a run are judged by: their samples, and some states.
 
-    They are the run's first ones; and where a float meets a stop only later, or a load history bends most, as many
-    again from then on.
+    They are the run's first ones; and where a float meets a stop or a step is cut only later, or a load history bends
+    most, as many again from then on.
     """
 
     def __init__(self, system: System, first: int = 0, state: State | None = None, seconds: float = 0.0):
@@ -66,7 +66,7 @@ class Probe:
         short = probed(system.scene, self.steps)
         self.recorder = _judging(short, system)
         self.states: list[tuple[np.ndarray, np.ndarray]] = []
-        self.full = False
+        self.full = self.cut = False  # whether any step is
         self.seconds = seconds
         self._errors: dict[str, float] = {}
         self._before: dict[str, float] = {}
@@ -78,14 +78,17 @@ class Probe:
         times = times - self.first * self.system.dt
         self.recorder.add(times, output, samples)
         pressure, every = samples[:, self.system.layout.field], max(1, 2 * self.steps // STATES)
-        taken = range(0, int(np.sum(times < self.steps * self.system.dt)), every)
+        inside = int(np.sum(times < self.steps * self.system.dt))
+        taken = range(0, inside, every)
+        self.cut |= bool(np.any(output.lead[:inside] != UNCUT))
         self.states += [(output.z[i].copy(), pressure[i].copy()) for i in taken]
         self.full = bool(times[-1] >= self.steps * self.system.dt * (1 - 1e-9))
 
     def unaware(self, output: Output) -> bool:
-        """Whether the floats meet a stop in a block, and met none in what has been judged."""
-        judged = bool(self._errors) and not self.recorder.contact[:, HITS].any()
-        return judged and bool(output.contact[..., HITS].any())
+        """Whether the floats meet a stop in a block, or a step is cut, and none was in what has been judged."""
+        hits = output.contact[..., HITS].any() and not self.recorder.contact[:, HITS].any()
+        cut = np.any(output.lead != UNCUT) and not self.cut
+        return bool(self._errors) and bool(hits or cut)
 
     def before(self, bend: float, times: np.ndarray) -> bool:
         """Whether a load history bends most at a time in a block, and what has been judged was before."""

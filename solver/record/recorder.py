@@ -132,7 +132,7 @@ class Recorder:
         if not cut.size:
             return
         some = slice(*np.searchsorted(between.row[: between.number[0]], [cut[0], cut[-1] + 1]))
-        parts: list[Any] = [*(part[some] for part in between[:-2]), *between[-2:]]
+        parts: list[Any] = [*(part[some] for part in between[:-1]), between.number]
         pieces = Between(*parts)
         count = len(pieces.row)
         waves = np.empty((count, samples.shape[1]))
@@ -143,7 +143,7 @@ class Recorder:
         forces = self._forces(slice(None), pieces, waves)
         told = dict(self._channels(slice(None), pieces, waves, forces))
         self._lower(told)
-        self._enlarge(pieces.p[1::2], forces[1::2] if forces is not None else None)  # by ends, which are near enough
+        self._enlarge(pieces.p, forces)
         weight = np.concatenate([pieces.weight, output.lead[cut] - 0.5, np.full(cut.size, -0.5)])
         of = np.searchsorted(cut, np.concatenate([pieces.row, cut, cut]))
         more = int(bool(self.last))  # sample of the block before

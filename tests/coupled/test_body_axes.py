@@ -9,7 +9,7 @@ from pytest import approx
 from solver.coupled.equilibrium import balance
 from solver.coupled.preparation import prepare
 from solver.multibody.bodies import new_motion
-from solver.multibody.minimal import mass_matrix, move, stored_energy
+from solver.multibody.minimal import mass_matrix, move, stored_energy, take_inertia
 from solver.record.channels import Channels
 from solver.record.turning import turning
 from solver.run import simulate
@@ -82,6 +82,11 @@ def test_loads_are_lagrange_s_of_the_water_s_energy():
         known = np.empty((7, 7))
         mass_matrix(body, motion, known)
         assert known == approx(M, abs=1e-8 * M.max())
+        wrench = np.zeros((2, 6))
+        take_inertia(body, motion, ddz, wrench)
+        along = motion.jacobian[1].T @ wrench[1]
+        along[:6] += motion.jacobian[0, :, :6].T @ wrench[0]
+        assert -along == approx(M @ ddz, abs=1e-8 * M.max())
         return M
 
     slopes = np.array([(inertia(z + h) - inertia(z - h)) / 2e-5 for h in 1e-5 * np.eye(7)])

@@ -25,6 +25,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
 from solver.multibody.joint_law import RELEASED, STOP_ZONE
+from solver.record import probe
 from solver.record.recorder import Recorder
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
@@ -119,6 +120,74 @@ def test_statistics_of_hits_are_those_of_pieces(dt, seconds):
     assert hits == 4 and mean == approx(0, abs=2e-3 * hits * 2 * M / seconds)
     assert rms**2 == approx(hits * M**2 * np.sqrt(STIFF) * np.pi / 2 / seconds, rel=1e-3 * hits)
     assert [most, -least] == approx([M * np.sqrt(STIFF)] * 2, rel=0.02)
+
+
+@pytest.mark.parametrize("dt", [0.4, 0.13])
+def test_statistics_of_a_damper_that_is_hit_begin_with_its_load(dt):
+    """F = cV exp(-ct/M) from the hit on, all at once: ∫F dt = MV and ∫F² dt = cMV²/2."""
+    damping, seconds = 8.0 * M, 7.8
+    scene = mass(dt, seconds, end_stops=EndStops(lower=-5.0, upper=1.05, stiffness=0.0, damping=damping))
+    mean, rms = tables_of(scene, rate=1.0)["hinge_force"][0, 0, 2:4]
+    assert abs(mean) * seconds == approx(M, rel=2e-3)
+    assert rms**2 * seconds == approx(damping * M / 2, rel=2e-3)
+
+
+@pytest.mark.parametrize("dt", [0.4, 0.28, 0.13])
+def test_power_of_an_axis_that_is_let_go_of_is_that_of_pulses_shorter_than_steps(dt):
+    """At work again as it turns round, where nothing jumps, until cẏ lets go, where all does: P = cẏ² in between."""
+    damping, most, first, seconds = 0.4 * M, 0.25 * M, round(1.2 / dt) * dt, round(15.6 / dt) * dt
+    scene = mass(dt, seconds, stiffness=2 * M, offset=1.0, pto_damping=damping, declutch_load=most)
+    mean, rms = tables_of(replace(scene, settings=replace(scene.settings, discard=first)))["absorbed_power"][0, 2:4]
+    work, squares = pulses(damping, most, first + seconds) - pulses(damping, most, first)
+    assert mean * (seconds + dt / 2) == approx(work, rel=2e-3)  # both ends are samples
+    assert rms**2 * (seconds + dt / 2) == approx(squares, rel=1e-2)
+
+
+def test_a_law_that_changes_only_later_is_judged_too(monkeypatch):
+    """A mass that a soft spring sets going, until its power take-off lets go, in the second block of steps."""
+    monkeypatch.setattr(probe, "PROBE", 100)
+    system = prepare(mass(0.4, 200.0, stiffness=6e-5 * M, offset=10.0, pto_damping=1.0, declutch_load=0.06), None)
+    judge, later = probe.Probe(system), []
+    for samples, output, times in blocks(system, system.start(), 500):
+        judge.add(times, output, samples)
+        later.append(judge.unaware(output))
+        if judge.fresh:
+            judge.errors(None)
+    assert later == [False, True]
+
+
+def tables_of(scene, rate=0.0):
+    """Statistics by the march alone."""
+    system = prepare(scene, None)
+    state, recorder = system.start(), Recorder(scene, None, layout=system.layout, bodies=system.bodies)
+    state.dz[0] = rate
+    state.energy[AT_START] = energy(system.bodies, system.structure, state)
+    steps = round((scene.settings.discard + scene.settings.duration) / system.dt)
+    for samples, output, times in blocks(system, state, steps):
+        recorder.add(times, output, samples)
+    return recorder.tables()
+
+
+def pulses(damping, most, seconds):
+    """∫P dt and ∫P² dt of a mass on a spring of 2M, let go at 1 m, by scipy."""
+
+    def slopes(_, x, at_work):
+        power = at_work * damping * x[1] ** 2
+        return x[1], -2 * x[0] - at_work * damping / M * x[1], power, power**2
+
+    def lets_go(_, x, at_work):
+        return damping * abs(x[1]) - most if at_work else -1.0
+
+    def turns(_, x, at_work):
+        return 1.0 if at_work else x[1]
+
+    lets_go.terminal = turns.terminal = True
+    lets_go.direction, x, t, at_work = 1, [1.0, 0.0, 0.0, 0.0], 0.0, True
+    while t < seconds:
+        way = solve_ivp(slopes, (t, seconds), x, args=(at_work,), events=(lets_go, turns), rtol=1e-10, atol=1e-9)
+        t, x, at_work = way.t[-1], way.y[:, -1], not at_work
+        x[1] = x[1] if not at_work else 0.0
+    return x[2:]
 
 
 @pytest.mark.parametrize(("dt", "gap"), [(0.4, 1.7), (0.13, 1.7), (0.4, 0.2)])

@@ -15,7 +15,7 @@ swing ring with a part of that load, and die early in the hit: the first pieces 
 those after them are as long as the swing on a fixed platform asks for.
 
 Middles and ends of pieces are put out beside the samples, with their weights in the means over the time between these:
-a hit is shorter than that.
+a hit is shorter than that. Where a load may jump, so is what the next piece begins with.
 
 Where a load jumps, all modes of an elastic platform ring, and those that a piece does not follow move the axis as no
 polynomial tells: it would be caught while it moves, let go at another load, and damped by what Simpson's rule does not

@@ -7,7 +7,7 @@ from solver.coupled.newton import factorize, substitute
 from solver.coupled.pieces.leaving import SCAN, way
 from solver.coupled.pieces.pace import begin_swing
 from solver.coupled.pieces.parabolas import forget
-from solver.coupled.problem import HITS, RATE, Problem, Workspace
+from solver.coupled.problem import HITS, RATE, Between, Problem, Workspace
 from solver.coupled.stages import State
 from solver.coupled.step import rings
 from solver.kernels import inner_kernel, kernel
@@ -23,7 +23,7 @@ from solver.multibody.joint_law import (
     holding,
     jumps,
 )
-from solver.multibody.minimal import mass_matrix, move
+from solver.multibody.minimal import mass_matrix, move, take_inertia
 from solver.multibody.zones import next_zone, pto_zone
 
 
@@ -37,8 +37,11 @@ def change_law(
     at_once: bool,
     length: float,
     contact: np.ndarray,
+    between: Between,
 ) -> bool:
     """Axis i enters its next zone where the state is; False where the masses are singular.
+
+    By how much loads jump is told in the first row of `between` that holds nothing yet.
 
     Of a table it leaves a piece at once into that where the stages, of a step of this length [s], have it next: where
     lines cross, as at rest, the borders do not tell.
@@ -65,17 +68,19 @@ def change_law(
     if kind == PTO_ZONE and new == HELD:
         start.dz[i] = 0.0
         state.dz[i - nc] = 0.0
-    if not _enter(problem, state, room, i, kind, new):
+    between.wrench[between.number[0]] = 0.0
+    between.carried[between.number[0]] = 0.0
+    if not _enter(problem, state, room, i, kind, new, between):
         return False
     if kind == PTO_ZONE and new == HELD:
         load = state.held[i]
         if load > holding(law, i, 1) or -load > holding(law, i, -1):
-            return _enter(problem, state, room, i, kind, SLIPS if load > 0 else -SLIPS)
+            return _enter(problem, state, room, i, kind, SLIPS if load > 0 else -SLIPS, between)
     return True
 
 
 @inner_kernel
-def _enter(problem: Problem, state: State, room: Workspace, i: int, kind: int, new: int) -> bool:
+def _enter(problem: Problem, state: State, room: Workspace, i: int, kind: int, new: int, between: Between) -> bool:
     """The zone, and the accelerations and powers that go with it."""
     law, stage, start = problem.bodies.law, room.stage, room.start
     old, pto = stage.zone[STOP_ZONE, i], stage.zone[PTO_ZONE, i]
@@ -89,13 +94,13 @@ def _enter(problem: Problem, state: State, room: Workspace, i: int, kind: int, n
     state.power[PTO] += (after.pto - before.pto) * start.dz[i]
     state.power[JOINT_DAMPING] += (after.loss - before.loss) * start.dz[i]
     move(problem.bodies, start.z, start.dz, stage.motion[1])
-    done = _jump(problem, state, room, i, change)
+    done = _jump(problem, state, room, i, change, between)
     forget(state)
     return done
 
 
 @kernel(no_cpython_wrapper=True)
-def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: float) -> bool:
+def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: float, between: Between) -> bool:
     """Accelerations of modes and joints after the load against an axis has changed; False where M is singular.
 
     Of carriers, which modes move by S: Δa_c = -S Sᵀ (M Δa)_c, and Δp̈ = -Sᵀ (M Δa)_c.
@@ -138,4 +143,6 @@ def _jump(problem: Problem, state: State, room: Workspace, axis: int, change: fl
             state.ddp[m] -= S[i, m] * moved[i]
             state.force[2, m] -= S[i, m] * moved[i]
     state.ddz[2] += update[nc:]
+    take_inertia(problem.bodies, room.stage.motion[1], update, between.wrench[between.number[0]])
+    between.carried[between.number[0]] -= moved[:nc]
     return True

@@ -1,8 +1,10 @@
 """What pieces leave in the record: their stages beside the samples, with weights, and what presses on the stops."""
 
+import numpy as np
+
 from solver.coupled.pieces.fine import Fine
 from solver.coupled.pieces.pace import smooths
-from solver.coupled.problem import BEYOND, HOLDS, LET_GO, LOAD, UNTOLD, Output, Problem, Workspace
+from solver.coupled.problem import BEYOND, HOLDS, LET_GO, LOAD, UNTOLD, Between, Output, Problem, Workspace
 from solver.coupled.stages import State
 from solver.coupled.step import copy, put_stage
 from solver.kernels import kernel, lean_kernel, part_kernel
@@ -13,10 +15,8 @@ from solver.multibody.zones import beyond_law
 @lean_kernel
 def open_row(output: Output, row: int) -> int:
     """How many rows are kept before those of pieces up to the output's `row`."""
-    between = output.between
     output.lead[row] = 0.0
-    between.follows[0] = True
-    return int(between.number[0])
+    return int(output.between.number[0])
 
 
 @part_kernel
@@ -28,21 +28,19 @@ def keep(
     fine: Fine,
     output: Output,
     row: int,
+    first: int,
     done: float,
 ) -> None:
     """Both stages of a piece, which begins at the share `done` of the time up to `row`, with their weights in it.
 
-    The scheme's own weights: Simpson's; where loads jump at its start, of which the stages know nothing, the middle's.
+    first: of the rows that are kept of that time. The weights are the scheme's own.
     """
     between, n = output.between, output.between.number[0]
-    if n + 2 > between.at.size:
-        output.lead[row] = UNTOLD
-    if output.lead[row] == UNTOLD:
+    if not _has_room(output, row, 2):
         return
     share = length / (0.5 * problem.dt)
-    simpson = between.follows[0] and not smooths(problem, state, room)
-    w = problem.scheme.work if simpson else fine.smoothing.work
-    if done == 0:
+    w = fine.smoothing.work if smooths(problem, state, room) else problem.scheme.work
+    if n == first:
         output.lead[row] += share * w[0]
     else:
         between.weight[n - 1] += share * w[0]
@@ -54,12 +52,65 @@ def keep(
         between.contact[n + s] = 0.0
         for k in range(problem.bent.size):
             i = problem.bent[k]
-            pto = room.stage.zone[PTO_ZONE, i]
-            between.contact[n + s, k, HOLDS] = 1.0 if pto == HELD else 0.0
-            between.contact[n + s, k, LET_GO] = 1.0 if abs(pto) == GONE else 0.0
-            between.contact[n + s, k, BEYOND] = _over_law(problem, room, s, i)
+            _put_contact(between.contact[n + s, k], room.stage.zone[PTO_ZONE, i], _over_law(problem, room, s, i))
     between.number[0] = n + 2
-    between.follows[0] = True
+
+
+@part_kernel
+def keep_jump(
+    problem: Problem, state: State, room: Workspace, output: Output, row: int, first: int, done: float
+) -> None:
+    """What the next piece begins with, where the law has changed: the last row, or sample, with loads that have jumped.
+
+    Not where that piece passes over them; of a block's first sample the one before is not known.
+    """
+    between, n = output.between, output.between.number[0]
+    if smooths(problem, state, room) or (n == first and row == 0) or not _has_room(output, row, 1):
+        return
+    copy(room.start.z, between.z[n])
+    copy(room.start.dz, between.dz[n])
+    copy(state.p, between.p[n])
+    copy(state.dp, between.dp[n])
+    copy(state.ddp, between.ddp[n])
+    if n == first:
+        _add_last(output.wrench[row - 1], output.carried[row - 1], output.drag[row - 1], between, n)
+    else:
+        _add_last(between.wrench[n - 1], between.carried[n - 1], between.drag[n - 1], between, n)
+    between.at[n], between.weight[n], between.row[n] = row - 1 + done, 0.0, row
+    between.contact[n] = 0.0
+    for k in range(problem.bent.size):
+        i = problem.bent[k]
+        pto, y, dy = room.stage.zone[PTO_ZONE, i], room.start.z[i], room.start.dz[i]
+        _put_contact(between.contact[n, k], pto, beyond_law(problem.bodies.law, i, pto, y, dy, state.held[i]))
+    between.number[0] = n + 1
+
+
+@kernel(inline="always")
+def _put_contact(contact: np.ndarray, pto: int, beyond: float) -> None:
+    """Of an axis, by the zone of its power take-off."""
+    contact[HOLDS] = 1.0 if pto == HELD else 0.0
+    contact[LET_GO] = 1.0 if abs(pto) == GONE else 0.0
+    contact[BEYOND] = beyond
+
+
+@lean_kernel
+def _add_last(wrench: np.ndarray, carried: np.ndarray, drag: np.ndarray, between: Between, n: int) -> None:
+    """Loads before the law has changed, to what they change by."""
+    for b in range(wrench.shape[0]):
+        for r in range(6):
+            between.wrench[n, b, r] += wrench[b, r]
+    for i in range(carried.size):
+        between.carried[n, i] += carried[i]
+    for d in range(drag.shape[0]):
+        copy(drag[d], between.drag[n, d])
+
+
+@part_kernel
+def _has_room(output: Output, row: int, more: int) -> bool:
+    """Whether there is room for so many rows more, and was for all pieces up to `row`; one more is for what jumps."""
+    if output.between.number[0] + more >= output.between.at.size:
+        output.lead[row] = UNTOLD
+    return output.lead[row] != UNTOLD
 
 
 @lean_kernel

@@ -6,7 +6,7 @@ import numpy as np
 
 from solver.coupled.pieces.change import change_law
 from solver.coupled.pieces.fine import ONE, Fine, of_length, sample_drive
-from solver.coupled.pieces.kept import close_row, keep, note, open_row
+from solver.coupled.pieces.kept import close_row, keep, keep_jump, note, open_row
 from solver.coupled.pieces.leaving import NEVER, first_to_leave
 from solver.coupled.pieces.pace import (
     GROWTH,
@@ -111,7 +111,7 @@ def in_pieces(
                     again(state, room, fine)
                     continue
             if at > 0:
-                keep(problem, length, state, room, fine, output, row, done / whole)
+                keep(problem, length, state, room, fine, output, row, first, done / whole)
                 _take(problem, other, state, room, fine, output, row)
                 done, most = done + length, np.inf
                 before = stored_before(problem, state, room)
@@ -120,9 +120,10 @@ def in_pieces(
                 fine.shared[0] = 0
                 if changes > CHANGES:
                     return TO_AND_FRO, used
-                if not change_law(problem, state, room, i, kind, at == 0, length, output.contact[row]):
+                if not change_law(problem, state, room, i, kind, at == 0, length, output.contact[row], output.between):
                     return NOT_FINITE, used
-                output.between.follows[0] = kind == STOP_ZONE and abs(room.stage.zone[STOP_ZONE, i]) != PRESSED
+                if abs(room.stage.zone[STOP_ZONE, i]) == PRESSED if kind == STOP_ZONE else jumps(problem.bodies.law, i):
+                    keep_jump(problem, state, room, output, row, first, done / whole)
                 before = stored_before(problem, state, room)
         put_stage(room, ONE, output, row)
         close_row(output, row, first)
