@@ -354,6 +354,15 @@ def drag_driven(factor: float) -> Iterator[str]:
         )
 
 
+def pulled(factor: float) -> Iterator[str]:
+    """A sentence where steel bears loads of joints that bend, and its extremes are not Gaussian, by a factor."""
+    if max(factor, 1 / factor) > APART:
+        yield (
+            "platform: steel bears loads of joints that are not Gaussian: expect its largest forces and stresses, where"
+            f" these are most of them, {factor:.2g} times those told, and damage by as much in its ranges"
+        )
+
+
 def skewed(factor: float) -> Iterator[str]:
     """A sentence where arms that turn make extremes of joints' forces exceed Gaussian ones by a factor."""
     if factor > APART:

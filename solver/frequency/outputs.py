@@ -32,6 +32,7 @@ class OfPlatform(NamedTuple):
     process: gaussian.Process
     X: np.ndarray  # (nl, nm) modes
     frame: Forces
+    extremes: float = 1.0  # of steel to be expected, over those of Gaussian lines
 
 
 def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:

@@ -18,6 +18,7 @@ from solver.frequency.bent import Load, rate_load
 from solver.frequency.case import NARROW, Case
 from solver.frequency.outputs import Forces, OfPlatform, rate_lines
 from solver.frequency.response import Response
+from solver.frequency.shape import beyond_rayleigh
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 
@@ -27,6 +28,7 @@ FASTEST = 40.0  # times the fastest wave's frequency, up to which modes are look
 EVEN, EACH = 120, 24  # frequencies up to there, by their logarithms, and more of them about each resonance
 OFTEN = 16  # samples of the fastest's period
 PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
+LITTLE = 0.1  # of the largest std of its kind: less is not looked at
 HARMONICS = np.arange(3, gaussian.PHASES // 4, 2)
 
 
@@ -49,7 +51,30 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlat
     else:
         process = gaussian.Process(every, of.duration, of.others + omega.size, of.begin)
     lines = np.concatenate([frame.lines, _borne(case, omega, X)])
-    return OfPlatform(process, np.concatenate([waves.X, X[:, :nm]]), frame._replace(lines=lines))
+    loads = np.concatenate([rates[:, axes] * np.diag(response.damping)[nm + axes], force])
+    fastest = gaussian.spread(rates) * (peak := gaussian.peak(rates, of)) * beyond_rayleigh(response.excess, peak)
+    largest = rate_load(law, nc + axes)(fastest[None, axes])[0]
+    extremes = 1.0 if one else _extremes(case, largest, loads, lines)
+    return OfPlatform(process, np.concatenate([waves.X, X[:, :nm]]), frame._replace(lines=lines), extremes)
+
+
+def _extremes(case: Case, largest: np.ndarray, loads: np.ndarray, frame: np.ndarray) -> float:
+    """Largest ones to be expected of steel over those of Gaussian lines (nl, ny), where that is furthest from 1.
+
+    Where loads' largest are r of those, (1 + s² (r² - 1))^½ of what goes with them by a correlation s.
+    largest (nj,): of loads of lines (nl, nj).
+    """
+    steel, furthest = case.channels.steel, 1.0
+    told = gaussian.spread(loads) * gaussian.peak(loads[: case.omega.size], case.process)
+    more = (largest / told) ** 2 - 1
+    for _, lines in steel.channels(frame) if steel is not None else ():
+        every = lines.reshape(len(lines), -1)
+        size = gaussian.spread(every)
+        y = every[:, size > LITTLE * size.max(initial=0.0)]
+        s = gaussian.covariance(y, loads) / np.outer(gaussian.spread(y), gaussian.spread(loads))
+        for each in np.sqrt(1 + s**2 * more).ravel().tolist():
+            furthest = max(furthest, each, key=lambda x: abs(np.log(x)))
+    return furthest
 
 
 def _harmonics(_case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -28,7 +28,7 @@ from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
-from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, skewed, stopped
+from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, pulled, skewed, stopped
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -103,6 +103,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
         *drag_driven(of_drag.extremes),
         *skewed(turning.extremes),
+        *pulled(platform.extremes),
         *([NO_BALANCE] if turning.error == UNTOLD else []),
         *slipping,
         *above(scene, tables, errors["estimated_error"]),
