@@ -107,24 +107,32 @@ def rows(s: Stretched, field: WaveField) -> np.ndarray:
 
 
 def stretched(
-    s: Stretched, field: WaveField, depth: float, water: np.ndarray
+    s: Stretched, field: WaveField, depth: float, water: np.ndarray, first: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of samples water (m, columns of `rows`): velocity (m, nd, ns) [m/s] normal to the members at the stations, the
-    share wet (m, ns) of each, and push (m, nd, ns) [N], what the waves' inertia is beyond that to still water.
+    """Of samples water (m, …), from the first column on those of `rows`: velocity (m, nd, ns) [m/s] normal to the
+    members at the stations, the share wet (m, ns) of each, and push (m, nd, ns) [N], what the waves' inertia is beyond
+    that to still water.
     """
     shape = len(water), *s.stream.shape
     flow, wet, push = np.empty(shape), np.empty((len(water), s.height.size)), np.empty(shape)
-    stretch(s, _levels(Same(s), field), depth, water, flow, wet, push)
+    stretch(s, _levels(Same(s), field), depth, water, first, flow, wet, push)
     return flow, wet, push
 
 
 @whole_kernel
 def stretch(
-    s: Stretched, at: Levels, depth: float, water: np.ndarray, flow: np.ndarray, wet: np.ndarray, push: np.ndarray
+    s: Stretched,
+    at: Levels,
+    depth: float,
+    water: np.ndarray,
+    first: int,
+    flow: np.ndarray,
+    wet: np.ndarray,
+    push: np.ndarray,
 ) -> None:
     """Fill `stretched`'s answers."""
     ns, nd = s.along.shape
-    surface, weight = KINDS * at.height.size, np.empty(CUBIC)
+    surface, weight = first + KINDS * at.height.size, np.empty(CUBIC)
     for i in range(len(water)):
         for j in range(ns):
             place, z = s.of_place[j], s.height[j]
@@ -140,7 +148,7 @@ def stretch(
             below = cubic(at, place, level, weight)
             u = w = du = dw = 0.0
             for n in range(CUBIC):
-                now, before = KINDS * (below + n), KINDS * (at.below[j] + n)
+                now, before = first + KINDS * (below + n), first + KINDS * (at.below[j] + n)
                 u += weight[n] * water[i, now]
                 w += weight[n] * water[i, now + 1]
                 du += share * weight[n] * water[i, now + 2] - at.weight[j, n] * water[i, before + 2]

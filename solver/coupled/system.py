@@ -77,7 +77,9 @@ class System:
         """Modal loads (nm,) of the current and of the load histories' start on the frame at rest."""
         if self.still:
             return np.zeros(self.structure.omega.size)
-        first = self.drive(self.besides(np.zeros(1)))
+        samples = np.zeros((1, len(self.rows)))
+        self.besides(np.zeros(1), samples)
+        first = self.drive(samples)
         return first.modal[0] + self.drag_at_rest(first)
 
     @property
@@ -99,17 +101,16 @@ class System:
         """The platform's loads that go with time."""
         return self.scene.platform.load_histories if self.scene.platform else ()
 
-    def besides(self, t: np.ndarray) -> np.ndarray:
-        """What no wave drives, among the columns of the rows (m, columns): current at the stations, applied loads."""
-        out, at, support = np.zeros((len(t), len(self.rows))), self.layout, self.support
+    def besides(self, t: np.ndarray, out: np.ndarray) -> None:
+        """Add what no wave drives to columns of the rows (m, columns): current at the stations, applied loads."""
+        at, support = self.layout, self.support
         assert support is not None, "asked of a scene with a current or loads on a platform"
-        out[:, at.station] = support.stream.ravel()
+        out[:, at.station] += support.stream.ravel()
         if self.histories:
             force = np.concatenate([history.at(t)[:, history.axes] for history in self.histories], axis=1)
-            out[:, at.modal] = force @ support.applied
+            out[:, at.modal] += force @ support.applied
             if support.forces is not None:
-                out[:, at.forces] = force @ support.forces.applied
-        return out
+                out[:, at.forces] += force @ support.forces.applied
 
     @property
     def resting(self) -> Resting:
@@ -184,7 +185,9 @@ class System:
         z[nc:] += self.scene.offsets
         s = self.scene.settings
         samples = self.rows.sum(axis=1).real[None] * ramp(0.0, s.ramp, s.ramp_form)
-        first = self.drive(samples if self.still else samples + self.besides(np.zeros(1)))
+        if not self.still:
+            self.besides(np.zeros(1), samples)
+        first = self.drive(samples)
         zone, (ddp, ddz, load, held) = self.zones_at(z), _initial_acceleration(self, z, p, first)
         state = State(
             z=z[nc:],
@@ -288,8 +291,8 @@ class System:
         m, at = len(samples), self.layout
         flow, wet, push = np.ascontiguousarray(samples[:, at.station]), np.zeros((m, 0)), np.zeros((m, nd, 0))
         if self.support is not None and self.support.stretched is not None:
-            water, depth = np.ascontiguousarray(samples[:, at.water]), self.scene.water.depth
-            flow, wet, push = stretching.stretched(self.support.stretched, self.waves, depth, water)
+            of, depth = self.support.stretched, self.scene.water.depth
+            flow, wet, push = stretching.stretched(of, self.waves, depth, samples, at.water.start)
         return Drive(
             field=np.ascontiguousarray(samples[:, at.field]),
             excitation=np.ascontiguousarray(samples[:, at.excitation]).reshape(m, nb, 6),

@@ -22,9 +22,6 @@ SMOOTH, EACH = 10, 6  # frequencies up to the waves' highest, and more of them a
 ALIKE = 32  # highest frequencies of seas in an octave that are told apart
 LEFT = 3e-3  # share of the forces that places which are looked at do not tell of
 REACH = 4.0  # over a band's width: times apart up to which covariances are looked at
-OVERTONE = 0.2  # of a harmonic's linear drag: the third harmonic of |cos|cos, over the first
-# Of a Gaussian's: the third order, of which a quarter is at sums of frequencies.
-ABOVE = np.sqrt((3 * np.pi / 8 - 1) / 4)
 TURNS = 5  # of the power method: the largest pattern is many times the next
 
 

@@ -145,19 +145,6 @@ class Case:
         """Of the waves' elevation (nl,) [m]."""
         return self.padded(self.system.scene.sea.amplitude[self.met])
 
-    @cached_property
-    def gains(self) -> np.ndarray:
-        """(2, nw, nm): of the frame's modes to forces at the waves, and to their third order where no line is.
-
-        That is at three times its frequency, or at as much more as twice the mean one where no wave is as fast.
-        """
-        w, structure = self.waves[:, None], self.system.structure
-        weight = np.abs(self.amplitude[: self.waves.size]) ** 2
-        sums = w + 2 * self.waves @ weight / weight.sum()
-        at, above = (1 / (structure.omega * (structure.omega - 2j * structure.damping * v) - v**2) for v in (w, sums))
-        share = beyond.OVERTONE if len(w) == 1 else beyond.ABOVE * (sums > self.waves.max())
-        return np.stack([at, share * above])
-
     def padded(self, of_waves: np.ndarray) -> np.ndarray:
         """(…, nl) of what waves alone have (…, nw)."""
         out = np.zeros((*of_waves.shape[:-1], self.omega.size), complex)

@@ -1,14 +1,17 @@
 """What the members' linearised drag leaves out of a frame's statistics, by how far from Gaussian drag is.
 
-Drag is |z|z of a normal number z, which has 3π/8 of the variance of its linear part and is far from Gaussian: ⟨z⁸⟩ is
-35/3 of ⟨z⁴⟩². Where it makes a part S of a stress by bending, and all else a Gaussian rest s, that stress is
+Drag in a current U is |U + u|(U + u) = F + σ_F g(z) of a normal number z, where ⟨gz⟩ = 1 and ⟨g²⟩ = V: see _Law.
+Without one g is |z|z/√(8/π), V is 3π/8, and drag is far from Gaussian: ⟨g⁴⟩ is 35/3 V². In one that waves never turn
+g tends to z and a little that is even, which makes extremes of one sense larger. Where drag makes a part S of a stress
+by bending, and all else a Gaussian rest s, that stress is
 
-    S |z|z/√3 + s ξ,   of one wave S (3π/8) |cos|cos and what else there is;
+    S g(z)/√V + s ξ,   of one wave what g(√2 cos)/√2 makes of its part, and what else there is;
 
-of a frame that swings among the waves S is what is as far from Gaussian, and belongs to the rest else: see `_kept`.
+of a frame that swings among the waves S is what is as far from Gaussian, and belongs to the rest else: see _followed.
 
-Its higher orders are lines of the case below the fastest wave (see beyond). Of those above it no line tells: a quarter
-of the third order, at sums of three frequencies, and of one wave all that is at three times its frequency.
+Its higher orders are lines of the case below the fastest wave (see beyond). Of those above it no line tells: half of
+the even ones, at sums of two frequencies, a quarter of the odd ones, at sums of three, and of one wave all that is at
+two and three times its frequency.
 """
 
 from collections.abc import Mapping
@@ -19,10 +22,9 @@ import numpy as np
 from solver.frequency import gaussian
 from solver.frequency.case import Case
 from solver.frequency.response import Response
-from solver.lines import real_by_complex
+from solver.frequency.stations import Stations
 from solver.statistics import FAINT, STATISTICS
 
-WHOLE = 3 * np.pi / 8  # variance of |z|z over that of its linear part; over |cos|cos the size of its linear part
 BINS = 512  # of frequencies up to the fastest wave's
 LITTLE = 2e-2  # share of the variance of the legs' tops below which no statistic of their stress is off by 1e-3
 
@@ -36,6 +38,8 @@ Z, OF_Z = _normal(40)
 XI = np.linspace(-5.0, 5.0, 61)  # evenly, for what is smooth but for a corner
 OF_XI = np.exp(-0.5 * XI**2) / np.exp(-0.5 * XI**2).sum()
 WEIGHT = np.outer(OF_Z, OF_XI).ravel()
+LEAST = 1e-3  # of how far odd orders go: a fifth of a mode's part by drag counts as that at least
+COS = np.cos(gaussian.PHASE)
 
 
 class Effect(NamedTuple):
@@ -43,6 +47,54 @@ class Effect(NamedTuple):
 
     error: float  # of any mean, rms or std, relative
     extremes: float  # factor by which the largest are to be expected beyond those told
+
+
+class _Law(NamedTuple):
+    """Drag on the frame's foremost mode where its linear part is a normal number z: ns stations that have flows U + az.
+
+    What goes with z is as large as the whole flow in that direction; a station counts by how much of it does.
+    """
+
+    stream: np.ndarray  # U (ns, nd) [m/s]
+    wave: np.ndarray  # a (ns, nd) [m/s]
+    push: np.ndarray  # (ns, nd) of the mode by its drag
+    mean: float
+    slope: float
+    even: float = 1.0  # share of what is even that is left
+
+    @classmethod
+    def of(cls, stations: Stations, rate: np.ndarray, mode: int, Q: np.ndarray) -> "_Law":
+        """At modal rates (nm, nw), of lines Q (nw,) of a mode's force."""
+        flow, frame = stations.flow(rate), stations.frame
+        along = 0.5 * flow @ Q.view(float) / gaussian.spread(Q[:, None])
+        size = np.linalg.norm(along, axis=0)
+        e = np.divide(along, size, out=np.zeros(along.shape), where=size > 0)
+        std = np.sqrt(0.5 * np.sum(np.einsum("ds,dsw->sw", e, flow) ** 2, axis=1))
+        share = frame.drag * np.divide(size, std, out=np.zeros(size.shape), where=std > 0)
+        stream = np.zeros(along.shape) if stations.stream is None else stations.stream
+        law = cls(stream.T, (std * e).T, (share * frame.station[mode]).T, 0.0, 1.0)
+        z, weight = (np.sqrt(2) * COS, np.full(COS.size, 1 / COS.size)) if len(Q) == 1 else (Z, OF_Z)
+        force = law(z)
+        return law._replace(mean=float(weight @ force), slope=float(weight @ (force * z)))
+
+    def drag(self, z: np.ndarray) -> np.ndarray:
+        """|u|u (…, ns, nd) of the flows."""
+        flow = self.stream + np.multiply.outer(z, self.wave)
+        return np.linalg.norm(flow, axis=-1, keepdims=True) * flow
+
+    def __call__(self, z: np.ndarray) -> np.ndarray:
+        """g, of any shape."""
+        g, opposite = ((np.tensordot(self.drag(x), self.push, axes=2) - self.mean) / self.slope for x in (z, -z))
+        return g - 0.5 * (1 - self.even) * (g + opposite)
+
+    def turned(self, sense: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """±g(±z)/√V, of what goes with the mode's force or against it."""
+        return sense * self(sense * z) / np.sqrt(self.variance)
+
+    @property
+    def variance(self) -> float:
+        """V."""
+        return float(OF_Z @ self(Z) ** 2)
 
 
 def drag_effect(
@@ -53,56 +105,124 @@ def drag_effect(
     if channels.legs is None or not case.stations.size:
         return Effect(0.0, 1.0)
     push, nm = response.drag.modes[:waves], len(channels.legs.tops)
-    tops, std = channels.legs.tops.reshape(nm, -1), told["top_displacement"][..., STATISTICS.index("std")].ravel()
-    p = (case.gains * push).reshape(2 * waves, nm)
-    size = np.abs(real_by_complex(tops.T, p.T)).reshape(-1, 2, waves)
-    driven, missing = np.sqrt(0.5 * np.sum(size**2, axis=2)).T
+    tops, of_tops = channels.legs.tops.reshape(nm, -1), told["top_displacement"].reshape(-1, len(STATISTICS))
+    std = of_tops[:, STATISTICS.index("std")]
     moved = std > FAINT * std.max()
-    std, driven, missing = std[moved], driven[moved], missing[moved]
-    error = float(np.max(np.hypot(1, missing / std) - 1, initial=0.0))
-    if not np.any(driven**2 > LITTLE * std**2):
+    tops, of_tops, std = tops[:, moved], of_tops[moved], std[moved]
+    gains = _gains(case, np.diag(response.damping)[:nm])
+    p = gains[0] * push
+    driven = p @ tops
+    if not driven.any():
+        return Effect(0.0, 1.0)
+    top = int(np.argmax(gaussian.spread(driven)))
+    m = int(np.argmax(np.abs(tops[:, top]) * np.linalg.norm(p, axis=0)))
+    Q = push[:, m]
+    law = _Law.of(case.stations, (-1j * case.waves[:, None] * response.X[:waves, :nm]).T, m, Q)
+    higher = _overtones(case, law, gains[1:], push, Q) @ tops
+    error = float(np.max(np.hypot(1, gaussian.spread(higher) / std) - 1))
+    whole, mean = response.X[:, :nm] @ tops, of_tops[:, STATISTICS.index("mean")]
+    if waves == 1:
+        extremes, kept = _of_overtones(mean, np.concatenate([whole, higher])), 1.0
+    elif not np.any(gaussian.spread(driven) ** 2 > LITTLE * std**2):
         return Effect(error, 1.0)
-    extremes, kept = 1.0, 1.0
-    if waves > 1:
-        kept = _kept(case, tops[:, moved][:, np.argmax(driven)], p[:waves], push)
-        driven *= kept
-        peak = gaussian.peak(response.X[:, :nm] @ tops[:, moved], case.process)
-        extremes = _beyond_rayleigh(driven, std, peak)
+    else:
+        D, T, drag = p[:, m], response.X[:waves, m], response.damping[m, m]
+        odd, even = _followed(case, m, 0.0, D, D, Q, 3), _followed(case, m, drag, T, D, Q, 2)
+        kept = max(odd, LEAST) ** 0.25
+        law = law._replace(even=float(np.clip(even / kept**3, -1 / kept, 1 / kept)))
+        peak = gaussian.peak(whole, case.process)
+        second, third = (gaussian.spread(order) for order in np.split(higher, 2))
+        # Largest halfway, in logarithms, between a Gaussian's, u, and those that follow waves, uⁿ/(2ⁿ⁻¹ n!)^½.
+        more = np.hypot(second * np.sqrt(peak / 2), third * peak / 24**0.25)
+        extremes = _beyond_rayleigh(law, kept * driven, Q, std, mean, peak, more)
     if channels.steel is not None:
         first = channels.legs.first
-        mean, whole = (channels.steel.compression(y)[:, first] for y in (level, lines))
-        part = kept * channels.steel.compression(_forces_by_drag(case, response, p[:waves]))[:, first]
-        changes = _of_one(mean[0], whole[0], part[0]) if waves == 1 else _of_sea(mean[0], whole, part)
+        level, lines = (channels.steel.compression(y)[:, first] for y in (level, lines))
+        part = kept * channels.steel.compression(_forces_by_drag(case, response, p))[:, first]
+        changes = _of_one(law, level[0], lines[0], part[0], Q) if waves == 1 else _of_sea(law, level[0], lines, part, Q)
         error = max(error, _apart(told["bottom_stress"][first], *changes))
     return Effect(error, extremes)
 
 
-def _kept(case: Case, top: np.ndarray, p: np.ndarray, push: np.ndarray) -> float:
-    """Share of what drag moves, of its foremost mode, that is as far from Gaussian as the drag: all where it follows.
+def _gains(case: Case, drag: np.ndarray) -> np.ndarray:
+    """(3, nw, nm): of the frame's modes to forces at the waves, and to second and third orders where no line is.
 
-    A mode that swings adds up many of its forces q, unit normal ones of std σ: with R the covariance of its part D of
-    a top's motion, std S, and q before, and a third of q³ - 3q beside each 2q of |q|q, ⟨D³D₃⟩ = σ ∫ h(τ) R(τ)³ dτ, h
-    from force to motion; where it follows S⁴. top (nm,), modes p and drag's forces on them (nw, nm).
+    That is at twice and three times a wave's frequency, or at as much more as the mean one and twice that where no
+    wave is as fast. Of the drag's damping (nm,) a mode's linear force has its part already.
     """
-    m, (w, structure) = int(np.argmax(np.abs(top) * np.linalg.norm(p, axis=0))), (case.waves, case.system.structure)
-    D, Q, step = top[m] * p[:, m], push[:, m], w.max() / BINS
+    w, own, ratio = case.waves[:, None], case.system.structure.omega, case.system.structure.damping
+    weight = np.abs(case.amplitude[: case.waves.size]) ** 2
+    at = w + np.arange(3)[:, None, None] * (case.waves @ weight / weight.sum())
+    damping = 2 * ratio * own + drag * np.array([0, 1, 1])[:, None, None]
+    gain = 1 / (own**2 - 1j * damping * at - at**2)
+    gain[1:] *= at[1:] > case.waves.max()
+    return gain
+
+
+def _overtones(case: Case, law: _Law, gains: np.ndarray, push: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """Lines of the modes (2 nw, nm) by orders of the drag that no line is of, second and third, where drag on them is
+    push (nw, nm); by gains (2, nw, nm).
+    """
+    frame, one = case.system.structure, len(Q) == 1
+    z = np.sqrt(2) * COS if one else Z
+    even = np.einsum("zsd,mds,s->zm", 0.5 * (law.drag(z) + law.drag(-z)), frame.station, frame.drag)
+    if one:
+        turn = np.exp(1j * np.angle(Q[0]))
+        second = 2 * np.mean(even * np.cos(2 * gaussian.PHASE)[:, None], axis=0) * turn**2
+        third = np.sqrt(2) * np.mean(law(z) * np.cos(3 * gaussian.PHASE)) * turn**2 * push
+    else:
+        size = gaussian.spread(push)
+        std = np.sqrt(0.5 * OF_Z @ (even - OF_Z @ even) ** 2)
+        second = push * np.divide(std, size, out=np.zeros(size.shape), where=size > 0)
+        third = push * np.sqrt(0.25 * OF_Z @ (0.5 * (law(Z) - law(-Z)) - Z) ** 2)
+    return np.concatenate([gains[0] * second, gains[1] * third])
+
+
+def _followed(case: Case, m: int, damping: float, T: np.ndarray, D: np.ndarray, Q: np.ndarray, order: int) -> float:
+    """How far ⟨TⁿTₙ⟩ goes, by what order n of the drag moves of its foremost mode m: 1 at most, where that follows.
+
+    A mode that swings adds up many of its forces q, unit normal ones of std σ: with R the covariance of its motion T
+    and q before, and a term Hₙ(q) beside q, ⟨TⁿTₙ⟩ = σ ∫ h(τ) R(τ)ⁿ dτ of that, h from force to motion; where it
+    follows Sⁿ⁺¹, S the std of what q moves, D. T, D and forces Q (nw,); damping: besides the mode's own.
+    """
+    w, structure = case.waves, case.system.structure
+    step = w.max() / BINS
     S, sigma = gaussian.spread(np.stack([D, Q], axis=1))
-    power, place = D * Q.conj() / sigma, np.rint(w / step).astype(int)
+    power, place = T * Q.conj() / sigma, np.rint(w / step).astype(int)
     c = np.bincount(place, power.real, 4 * BINS + 1) - 1j * np.bincount(place, power.imag, 4 * BINS + 1)
-    three = np.fft.rfft((2 * BINS * np.fft.irfft(c)) ** 3) / (8 * BINS)
-    at = step * np.arange(three.size)
-    three[1:] *= 2
-    own, h = structure.omega[m], structure.damping[m]
-    gain = top[m] / (own * (own - 2j * h * at) - at**2)
-    return float(np.clip(sigma * np.sum(three * gain).real / S**4, 0.0, 1.0) ** 0.25)
+    terms = np.fft.rfft((2 * BINS * np.fft.irfft(c)) ** order) / (8 * BINS)
+    terms[1:] *= 2
+    at, own = step * np.arange(terms.size), structure.omega[m]
+    gain = 1 / (own**2 - 1j * (2 * own * structure.damping[m] + damping) * at - at**2)
+    return float(np.clip(sigma * np.sum(terms * gain).real / S ** (order + 1), -1.0, 1.0))
 
 
-def _beyond_rayleigh(driven: np.ndarray, std: np.ndarray, peak: np.ndarray) -> float:
-    """Factor for the largest S z²/√3 + s ξ where z² + ξ² = u², reached as often as u by a Gaussian."""
-    part = np.minimum(np.sqrt(WHOLE) * driven, std)
+def _of_overtones(mean: np.ndarray, lines: np.ndarray) -> float:
+    """Factor for the largest of one wave's first, second and third harmonics (3, n) about means (n,)."""
+    turn = np.exp(-1j * np.outer(gaussian.PHASE, [1, 2, 3]))
+    before, after = (np.abs(mean + (turn[:, :n] @ lines[:n]).real).max(axis=0) for n in (1, 3))
+    return float(np.max(after / before, initial=1.0))
+
+
+def _beyond_rayleigh(
+    law: _Law,
+    driven: np.ndarray,
+    Q: np.ndarray,
+    std: np.ndarray,
+    mean: np.ndarray,
+    peak: np.ndarray,
+    more: np.ndarray,
+) -> float:
+    """Factor for the largest mean + S g(z)/√V + s ξ, in either sense, where z² + ξ² = u², reached as often as u by a
+    Gaussian; of lines (nw, n) that drag drives, beside what no line tells: as large as a Gaussian of that std.
+    """
+    part = np.minimum(np.sqrt(law.variance) * gaussian.spread(driven), std)
     turn = np.linspace(0.0, np.pi / 2, 40)[:, None]
-    size = part * peak**2 * np.cos(turn) ** 2 / np.sqrt(3) + np.sqrt(std**2 - part**2) * peak * np.sin(turn)
-    return float(np.max(size.max(axis=0) / (std * peak), initial=1.0))
+    rest, sense = np.sqrt(std**2 - part**2 + more**2) * peak * np.sin(turn), _sense(driven, Q)
+    largest = [
+        way * mean + np.max(part * law.turned(way * sense, peak * np.cos(turn)) + rest, axis=0) for way in (1, -1)
+    ]
+    return float(np.max(largest / (np.abs(mean) + std * peak), initial=1.0))
 
 
 def _apart(told: np.ndarray, mean: np.ndarray, variance: np.ndarray) -> float:
@@ -122,16 +242,25 @@ def _forces_by_drag(case: Case, response: Response, p: np.ndarray) -> np.ndarray
     return forces.whole(forces.of_motion(rate * p, rate**2 * p, none) + response.drag.forces[: len(p)])
 
 
-def _of_one(mean: np.ndarray, whole: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What mean and variance of one wave's compression lack, of means and lines (n, 3): |cos|cos of the drag's part."""
+def _sense(lines: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """1 or -1 (…) where lines (nw, …) go with lines (nw,), or against them."""
+    return np.where(np.tensordot(Q.conj(), lines, axes=1).real < 0, -1.0, 1.0)
+
+
+def _of_one(
+    law: _Law, mean: np.ndarray, whole: np.ndarray, part: np.ndarray, Q: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What mean and variance of one wave's compression lack, of means and lines (n, 3), by the drag's part."""
     cos, size = gaussian.one_period(np.exp(1j * np.angle(part)).reshape(1, -1)), np.abs(part).ravel()
-    usual = mean.ravel() + gaussian.one_period(whole.reshape(1, -1))
-    both = (usual, usual + size * (WHOLE * np.abs(cos) - 1) * cos)
+    usual, sense = mean.ravel() + gaussian.one_period(whole.reshape(1, -1)), _sense(part.reshape(1, -1), Q)
+    both = (usual, usual + size * (sense * law(sense * np.sqrt(2) * cos) / np.sqrt(2) - cos))
     before, after = (x[:, :, 0] - np.hypot(x[:, :, 1], x[:, :, 2]) for x in (y.reshape(-1, *mean.shape) for y in both))
     return after.mean(axis=0) - before.mean(axis=0), after.var(axis=0) - before.var(axis=0)
 
 
-def _of_sea(mean: np.ndarray, whole: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _of_sea(
+    law: _Law, mean: np.ndarray, whole: np.ndarray, part: np.ndarray, Q: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The same of means (n, 3) and lines (nw, n, 3), by bending along the line in which drag bends a leg most.
 
     What lies across it is as large as it is in the mean square.
@@ -144,12 +273,12 @@ def _of_sea(mean: np.ndarray, whole: np.ndarray, part: np.ndarray) -> tuple[np.n
         return cos**2 * moments[0] + sin**2 * moments[1] + 2 * sin * cos * moments[2]
 
     mean = np.array([cos * mean[:, 1] + sin * mean[:, 2], cos * mean[:, 2] - sin * mean[:, 1]])
-    variance = along(of_whole)
+    variance, sense = along(of_whole), _sense(cos * part[..., 1] + sin * part[..., 2], Q)
     std, other = np.sqrt(variance), np.sqrt(mean[1] ** 2 + (of_whole[0] + of_whole[1] - variance).clip(min=0.0))
-    driven = np.minimum(np.sqrt(WHOLE * along(of_part)), std)
-    z, rest = Z[:, None, None], np.sqrt(std**2 - driven**2) * XI[:, None]
+    driven = np.minimum(np.sqrt(law.variance * along(of_part)), std)
+    z, rest = Z[:, None, None] * np.ones(std.size), np.sqrt(std**2 - driven**2) * XI[:, None]
     before, after = (
-        np.hypot(mean[0] + driven * x + rest, other).reshape(-1, std.size) for x in (z, np.abs(z) * z / np.sqrt(3))
+        np.hypot(mean[0] + driven * x + rest, other).reshape(-1, std.size) for x in (z, law.turned(sense, z))
     )
     less = WEIGHT @ (after - before)
     return -less, WEIGHT @ (after**2 - before**2) - (WEIGHT @ after) ** 2 + (WEIGHT @ before) ** 2

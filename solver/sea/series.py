@@ -8,6 +8,7 @@ import numpy as np
 from scipy import linalg
 
 ROUNDING = 1e-14  # of what is factored: sums of 130 waves are little better
+MANY = 8  # rows for each number in one, of which few are looked at first
 WINDOWS = 2  # of a block: in shorter ones fewer instants are independent, but each is summed by itself
 
 
@@ -22,7 +23,8 @@ def factored(rows: np.ndarray, size: np.ndarray) -> Factored:
     """Complex rows (m, n) by what is independent among them with real factors, each to ROUNDING of a size (m,)."""
     n = rows.shape[1]
     both = np.concatenate([rows.real, rows.imag], axis=1)
-    spread, basis = factors(both / np.where(size > 0, size, 1.0)[:, None])
+    both /= np.where(size > 0, size, 1.0)[:, None]
+    spread, basis = factors(both)
     return Factored(size[:, None] * spread, basis[:, :n] + 1j * basis[:, n:])
 
 
@@ -41,9 +43,9 @@ class WaveSeries:
         step: float,
         block: int,
         ramp: Callable[[np.ndarray], np.ndarray],
-        besides: Callable[[np.ndarray], np.ndarray] | None = None,
+        besides: Callable[[np.ndarray, np.ndarray], None] | None = None,
     ) -> None:
-        """ramp(t) -> factor (…,); blocks of `block` samples; besides(t) -> what no wave drives (…, m)."""
+        """ramp(t) -> factor (…,); blocks of `block` samples; besides(t, y) adds what no wave drives."""
         self.rows, self.omega, self.step, self.ramp, self.besides = rows, omega, step, ramp, besides
         self.even, self.odd = _instants(tuple(omega.tolist()), step, -(-(block - 1) // (2 * WINDOWS)) or 1)
 
@@ -65,7 +67,9 @@ class WaveSeries:
         y, t = y[:count], (first + np.arange(count)) * self.step
         if not np.all((grown := self.ramp(t)) == 1.0):
             y *= grown[:, None]
-        return y if self.besides is None else y + self.besides(t)
+        if self.besides is not None:
+            self.besides(t, y)
+        return y
 
 
 @lru_cache(maxsize=4)
@@ -76,12 +80,28 @@ def _instants(omega: tuple[float, ...], step: float, half: int) -> tuple[Factore
 
 
 def factors(matrix: np.ndarray) -> Factored:
-    """Of real rows (m, n), to ROUNDING of the largest: r of them, and sums of these."""
+    """Of real rows (m, n), to ROUNDING of the largest: r of them, and sums of these; of MANY by orthogonal ones."""
+    if len(matrix) > MANY * matrix.shape[1]:
+        return _of_many(matrix)
     order, sums = independent(matrix.T, ROUNDING)
     r = len(sums)
     spread = np.zeros((len(matrix), r))
     spread[order[:r], range(r)], spread[order[r:]] = 1.0, sums.T
     return Factored(spread, matrix[order[:r]])
+
+
+def _of_many(matrix: np.ndarray) -> Factored:
+    """By the space of some rows, and of some of those that this leaves, until none is left."""
+    n, left, Q = matrix.shape[1], matrix, np.zeros((matrix.shape[1], 0))
+    least = ROUNDING * np.linalg.norm(matrix, axis=1).max()
+    while (more := np.flatnonzero(np.linalg.norm(left, axis=1) > least)).size:
+        some = left[more[:: 1 + more.size // n]].T
+        q, upper, _ = linalg.qr(some, mode="economic", pivoting=True, check_finite=False)
+        rank = np.sum(np.abs(np.diag(upper)) > 0.5 * least)
+        Q = linalg.qr(np.concatenate([Q, q[:, :rank]], axis=1), mode="economic", check_finite=False)[0]
+        left = (matrix @ Q) @ Q.T
+        np.subtract(matrix, left, out=left)
+    return Factored(matrix @ Q, Q.T)
 
 
 def independent(columns: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:

@@ -162,6 +162,16 @@ def test_rows_that_are_rounding_of_others_cost_nothing():
     assert not factored(none, np.linalg.norm(none, axis=1)).spread[3].any()  # nothing is nothing, not rounding
 
 
+def test_of_many_rows_the_only_one_of_its_kind_is_kept():
+    """By orthonormal ones, of which some rows tell first: it is not among those."""
+    rng = np.random.default_rng(2)
+    rows = rng.normal(size=(2000, 3)) @ (rng.normal(size=(3, 40)) + 1j * rng.normal(size=(3, 40)))
+    rows[7] = rng.normal(size=40)
+    few = factored(rows, np.linalg.norm(rows, axis=1))
+    assert (few.basis @ few.basis.conj().T).real == approx(np.eye(4), abs=1e-14)
+    assert np.abs(few.spread @ few.basis - rows).max() < 1e-13 * np.abs(rows).max()
+
+
 def test_white_noise_is_flat_and_has_its_height():
     sea = realize(WhiteNoise(Hs=2.0, band=(0.1, 4.0)), components=196, band=(0.1, 4.0), intervals="even", seed=0)
     assert np.ptp(np.abs(sea.amplitude)) < 1e-12
