@@ -199,6 +199,15 @@ def test_ranges_of_dirlik_are_all_of_them():
         assert whole == approx(spread.rate * np.trapezoid(S**m * p, Z), rel=1e-6)
 
 
+def test_ranges_of_wide_bands_are_numbers_for_any_power():
+    """Dirlik's R may be below zero, of swell beside a resonance; p has its square alone."""
+    omega, lines = np.array([0.35, 0.4, 0.45, 0.5, 2.8, 3.0, 3.2]), np.array([0.4, 1.0, 0.8, 0.4, 0.03, 0.05, 0.03])
+    spread = fatigue.RangeSpread.of(lines * 1e6, omega)
+    assert spread.width[1] < 0
+    below, between, above = (spread.moment(m, 0.0, np.inf) ** (1 / m) for m in (3.0, 3.5, 4.0))
+    assert below < between < above
+
+
 def test_a_count_that_fails_is_not_nothing(monkeypatch):
     """NaN, and said; what has no fibre is NaN and no failure; a still stress does no damage."""
     x = np.zeros((50, 1, 4))
