@@ -72,10 +72,10 @@ class _Law(NamedTuple):
         std = np.sqrt(0.5 * np.sum(np.einsum("ds,dsw->sw", e, flow) ** 2, axis=1))
         share = frame.drag * np.divide(size, std, out=np.zeros(size.shape), where=std > 0)
         stream = np.zeros(along.shape) if stations.stream is None else stations.stream
-        law = cls(stream.T, (std * e).T, (share * frame.station[mode]).T, 0.0, 1.0)
+        g = cls(stream.T, (std * e).T, (share * frame.station[mode]).T, 0.0, 1.0)
         z, weight = (np.sqrt(2) * COS, np.full(COS.size, 1 / COS.size)) if len(Q) == 1 else (Z, OF_Z)
-        force = law(z)
-        return law._replace(mean=float(weight @ force), slope=float(weight @ (force * z)))
+        force = g(z)
+        return g._replace(mean=float(weight @ force), slope=float(weight @ (force * z)))
 
     def drag(self, z: np.ndarray) -> np.ndarray:
         """|u|u (…, ns, nd) of the flows."""
@@ -117,8 +117,8 @@ def drag_effect(
     top = int(np.argmax(gaussian.spread(driven)))
     m = int(np.argmax(np.abs(tops[:, top]) * np.linalg.norm(p, axis=0)))
     Q = push[:, m]
-    law = _Law.of(case.stations, (-1j * case.waves[:, None] * response.X[:waves, :nm]).T, m, Q)
-    higher = _overtones(case, law, gains[1:], push, Q) @ tops
+    g = _Law.of(case.stations, (-1j * case.waves[:, None] * response.X[:waves, :nm]).T, m, Q)
+    higher = _overtones(case, g, gains[1:], push, Q) @ tops
     error = float(np.max(np.hypot(1, gaussian.spread(higher) / std) - 1))
     whole, mean = response.X[:, :nm] @ tops, of_tops[:, STATISTICS.index("mean")]
     if waves == 1:
@@ -129,17 +129,17 @@ def drag_effect(
         D, T, drag = p[:, m], response.X[:waves, m], response.damping[m, m]
         odd, even = _followed(case, m, 0.0, D, D, Q, 3), _followed(case, m, drag, T, D, Q, 2)
         kept = max(odd, LEAST) ** 0.25
-        law = law._replace(even=float(np.clip(even / kept**3, -1 / kept, 1 / kept)))
+        g = g._replace(even=float(np.clip(even / kept**3, -1 / kept, 1 / kept)))
         peak = gaussian.peak(whole, case.process)
         second, third = (gaussian.spread(order) for order in np.split(higher, 2))
         # Largest halfway, in logarithms, between a Gaussian's, u, and those that follow waves, uⁿ/(2ⁿ⁻¹ n!)^½.
         more = np.hypot(second * np.sqrt(peak / 2), third * peak / 24**0.25)
-        extremes = _beyond_rayleigh(law, kept * driven, Q, std, mean, peak, more)
+        extremes = _beyond_rayleigh(g, kept * driven, Q, std, mean, peak, more)
     if channels.steel is not None:
         first = channels.legs.first
         level, lines = (channels.steel.compression(y)[:, first] for y in (level, lines))
         part = kept * channels.steel.compression(_forces_by_drag(case, response, p))[:, first]
-        changes = _of_one(law, level[0], lines[0], part[0], Q) if waves == 1 else _of_sea(law, level[0], lines, part, Q)
+        changes = _of_one(g, level[0], lines[0], part[0], Q) if waves == 1 else _of_sea(g, level[0], lines, part, Q)
         error = max(error, _apart(told["bottom_stress"][first], *changes))
     return Effect(error, extremes)
 
@@ -159,22 +159,22 @@ def _gains(case: Case, drag: np.ndarray) -> np.ndarray:
     return gain
 
 
-def _overtones(case: Case, law: _Law, gains: np.ndarray, push: np.ndarray, Q: np.ndarray) -> np.ndarray:
+def _overtones(case: Case, g: _Law, gains: np.ndarray, push: np.ndarray, Q: np.ndarray) -> np.ndarray:
     """Lines of the modes (2 nw, nm) by orders of the drag that no line is of, second and third, where drag on them is
     push (nw, nm); by gains (2, nw, nm).
     """
     frame, one = case.system.structure, len(Q) == 1
     z = np.sqrt(2) * COS if one else Z
-    even = np.einsum("zsd,mds,s->zm", 0.5 * (law.drag(z) + law.drag(-z)), frame.station, frame.drag)
+    even = np.einsum("zsd,mds,s->zm", 0.5 * (g.drag(z) + g.drag(-z)), frame.station, frame.drag)
     if one:
         turn = np.exp(1j * np.angle(Q[0]))
         second = 2 * np.mean(even * np.cos(2 * gaussian.PHASE)[:, None], axis=0) * turn**2
-        third = np.sqrt(2) * np.mean(law(z) * np.cos(3 * gaussian.PHASE)) * turn**2 * push
+        third = np.sqrt(2) * np.mean(g(z) * np.cos(3 * gaussian.PHASE)) * turn**2 * push
     else:
         size = gaussian.spread(push)
         std = np.sqrt(0.5 * OF_Z @ (even - OF_Z @ even) ** 2)
         second = push * np.divide(std, size, out=np.zeros(size.shape), where=size > 0)
-        third = push * np.sqrt(0.25 * OF_Z @ (0.5 * (law(Z) - law(-Z)) - Z) ** 2)
+        third = push * np.sqrt(0.25 * OF_Z @ (0.5 * (g(Z) - g(-Z)) - Z) ** 2)
     return np.concatenate([gains[0] * second, gains[1] * third])
 
 
@@ -205,7 +205,7 @@ def _of_overtones(mean: np.ndarray, lines: np.ndarray) -> float:
 
 
 def _beyond_rayleigh(
-    law: _Law,
+    g: _Law,
     driven: np.ndarray,
     Q: np.ndarray,
     std: np.ndarray,
@@ -216,12 +216,10 @@ def _beyond_rayleigh(
     """Factor for the largest mean + S g(z)/√V + s ξ, in either sense, where z² + ξ² = u², reached as often as u by a
     Gaussian; of lines (nw, n) that drag drives, beside what no line tells: as large as a Gaussian of that std.
     """
-    part = np.minimum(np.sqrt(law.variance) * gaussian.spread(driven), std)
+    part = np.minimum(np.sqrt(g.variance) * gaussian.spread(driven), std)
     turn = np.linspace(0.0, np.pi / 2, 40)[:, None]
     rest, sense = np.sqrt(std**2 - part**2 + more**2) * peak * np.sin(turn), _sense(driven, Q)
-    largest = [
-        way * mean + np.max(part * law.turned(way * sense, peak * np.cos(turn)) + rest, axis=0) for way in (1, -1)
-    ]
+    largest = [way * mean + np.max(part * g.turned(way * sense, peak * np.cos(turn)) + rest, axis=0) for way in (1, -1)]
     return float(np.max(largest / (np.abs(mean) + std * peak), initial=1.0))
 
 
@@ -248,18 +246,18 @@ def _sense(lines: np.ndarray, Q: np.ndarray) -> np.ndarray:
 
 
 def _of_one(
-    law: _Law, mean: np.ndarray, whole: np.ndarray, part: np.ndarray, Q: np.ndarray
+    g: _Law, mean: np.ndarray, whole: np.ndarray, part: np.ndarray, Q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """What mean and variance of one wave's compression lack, of means and lines (n, 3), by the drag's part."""
     cos, size = gaussian.one_period(np.exp(1j * np.angle(part)).reshape(1, -1)), np.abs(part).ravel()
     usual, sense = mean.ravel() + gaussian.one_period(whole.reshape(1, -1)), _sense(part.reshape(1, -1), Q)
-    both = (usual, usual + size * (sense * law(sense * np.sqrt(2) * cos) / np.sqrt(2) - cos))
+    both = (usual, usual + size * (sense * g(sense * np.sqrt(2) * cos) / np.sqrt(2) - cos))
     before, after = (x[:, :, 0] - np.hypot(x[:, :, 1], x[:, :, 2]) for x in (y.reshape(-1, *mean.shape) for y in both))
     return after.mean(axis=0) - before.mean(axis=0), after.var(axis=0) - before.var(axis=0)
 
 
 def _of_sea(
-    law: _Law, mean: np.ndarray, whole: np.ndarray, part: np.ndarray, Q: np.ndarray
+    g: _Law, mean: np.ndarray, whole: np.ndarray, part: np.ndarray, Q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The same of means (n, 3) and lines (nw, n, 3), by bending along the line in which drag bends a leg most.
 
@@ -275,10 +273,10 @@ def _of_sea(
     mean = np.array([cos * mean[:, 1] + sin * mean[:, 2], cos * mean[:, 2] - sin * mean[:, 1]])
     variance, sense = along(of_whole), _sense(cos * part[..., 1] + sin * part[..., 2], Q)
     std, other = np.sqrt(variance), np.sqrt(mean[1] ** 2 + (of_whole[0] + of_whole[1] - variance).clip(min=0.0))
-    driven = np.minimum(np.sqrt(law.variance * along(of_part)), std)
+    driven = np.minimum(np.sqrt(g.variance * along(of_part)), std)
     z, rest = Z[:, None, None] * np.ones(std.size), np.sqrt(std**2 - driven**2) * XI[:, None]
     before, after = (
-        np.hypot(mean[0] + driven * x + rest, other).reshape(-1, std.size) for x in (z, law.turned(sense, z))
+        np.hypot(mean[0] + driven * x + rest, other).reshape(-1, std.size) for x in (z, g.turned(sense, z))
     )
     less = WEIGHT @ (after - before)
     return -less, WEIGHT @ (after**2 - before**2) - (WEIGHT @ after) ** 2 + (WEIGHT @ before) ** 2

@@ -143,9 +143,9 @@ def _counted(steel: Steel, platform: OfPlatform, waves: int) -> tuple[dict[str, 
     of, (level, lines) = platform.process, platform.frame
     if of.omega.size == 1 or not of.known:
         return steel.expected(lines, of.omega)
-    bent = steel.ends(level + np.concatenate([*of.blocks(lines)]))
-    again = CYCLES if waves == 1 else 1
-    return steel.counted({at: np.tile(forces, (again, 1, 1)) for at, forces in bent.items()}, again * of.duration)
+    parts, again = [steel.ends(level + block) for block in of.blocks(lines)], CYCLES if waves == 1 else 1
+    bent = {at: np.tile(np.concatenate([part[at] for part in parts]), (again, 1, 1)) for at in parts[0]}
+    return steel.counted(bent, again * of.duration)
 
 
 def _law_effect(case: Case, response: Response, scene: Scene) -> float:
