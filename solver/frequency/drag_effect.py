@@ -65,15 +65,17 @@ class _Law(NamedTuple):
     @classmethod
     def of(cls, stations: Stations, rate: np.ndarray, mode: int, Q: np.ndarray) -> "_Law":
         """At modal rates (nm, nw), of lines Q (nw,) of a mode's force."""
+        z, weight = (np.sqrt(2) * COS, np.full(COS.size, 1 / COS.size)) if len(Q) == 1 else (Z, OF_Z)
+        if stations.stream is None:
+            none = np.zeros((0, 0))
+            return cls(none, none, none, 0.0, float(weight @ np.abs(z) ** 3))
         flow, frame = stations.flow(rate), stations.frame
         along = 0.5 * flow @ Q.view(float) / gaussian.spread(Q[:, None])
         size = np.linalg.norm(along, axis=0)
         e = np.divide(along, size, out=np.zeros(along.shape), where=size > 0)
         std = np.sqrt(0.5 * np.sum(np.einsum("ds,dsw->sw", e, flow) ** 2, axis=1))
         share = frame.drag * np.divide(size, std, out=np.zeros(size.shape), where=std > 0)
-        stream = np.zeros(along.shape) if stations.stream is None else stations.stream
-        g = cls(stream.T, (std * e).T, (share * frame.station[mode]).T, 0.0, 1.0)
-        z, weight = (np.sqrt(2) * COS, np.full(COS.size, 1 / COS.size)) if len(Q) == 1 else (Z, OF_Z)
+        g = cls(stations.stream.T, (std * e).T, (share * frame.station[mode]).T, 0.0, 1.0)
         force = g(z)
         return g._replace(mean=float(weight @ force), slope=float(weight @ (force * z)))
 
@@ -84,6 +86,8 @@ class _Law(NamedTuple):
 
     def __call__(self, z: np.ndarray) -> np.ndarray:
         """g, of any shape."""
+        if not self.push.size:  # nor a current
+            return np.abs(z) * z / self.slope
         g, opposite = ((np.tensordot(self.drag(x), self.push, axes=2) - self.mean) / self.slope for x in (z, -z))
         return g - 0.5 * (1 - self.even) * (g + opposite)
 
@@ -165,7 +169,9 @@ def _overtones(case: Case, g: _Law, gains: np.ndarray, push: np.ndarray, Q: np.n
     """
     frame, one = case.system.structure, len(Q) == 1
     z = np.sqrt(2) * COS if one else Z
-    even = np.einsum("zsd,mds,s->zm", 0.5 * (g.drag(z) + g.drag(-z)), frame.station, frame.drag)
+    even = np.zeros((z.size, push.shape[1]))
+    if g.push.size:
+        even = np.einsum("zsd,mds,s->zm", 0.5 * (g.drag(z) + g.drag(-z)), frame.station, frame.drag)
     if one:
         turn = np.exp(1j * np.angle(Q[0]))
         second = 2 * np.mean(even * np.cos(2 * gaussian.PHASE)[:, None], axis=0) * turn**2
