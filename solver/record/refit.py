@@ -39,7 +39,7 @@ SWAYED = 3e-3  # what the fit may change a motion's RAO, its std or its power by
 TIMES = (2, 4, 8, 16)  # that what misfits do to the motions counts, one after another until it is little enough
 MORE = (1.25, 1.5)  # times as many poles as the usual fit has, one after another, where with those it is not
 FEW = 12  # motions that there are and are fitted again, wherever the usual fit ended
-SEVERAL, MANY = 18, 24  # and where it met its tolerance, with more poles or, twice, its own: passive residues take long
+SEVERAL, MANY = 21, 24  # and where it met its tolerance, with more poles or, twice, its own: passive residues take long
 LEAST = 0.1  # of a motion's largest response: changes of less are relative to that
 
 Ways = tuple[tuple[str, ...], ...]  # motions that each float can have
