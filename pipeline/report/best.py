@@ -171,8 +171,9 @@ def _along(axis: xr.DataArray) -> list[tuple[Hashable, xr.DataArray]]:
 
 def _chosen(of: _Compared) -> Iterator[str]:
     """The best along each axis."""
+    free = of.free
     for dim, place in of.at.items():
-        yield f"any {dim}" if dim in of.free else _label(of.mean[dim], place) + " (an end)" * _at_end(of, dim)
+        yield f"any {dim}" if dim in free else _label(of.mean[dim], place) + " (an end)" * _at_end(of, dim)
 
 
 def _at_end(of: _Compared, dim: Hashable) -> bool:

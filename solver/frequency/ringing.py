@@ -9,9 +9,13 @@ with J sgn(v) the part of f that jumps, of which sₖ are the terms: its own ser
 rate in the mean, and so adds to the waves' variance. Of one wave it is the harmonics of f.
 """
 
+from functools import lru_cache
+
 import numpy as np
+from numpy.polynomial.hermite_e import hermevander
 from scipy.fft import next_fast_len, rfft
 from scipy.linalg import eigh
+from scipy.special import factorial
 
 from solver.frequency import gaussian
 from solver.frequency.bent import Load, rate_load
@@ -19,6 +23,7 @@ from solver.frequency.case import NARROW, Case
 from solver.frequency.outputs import Forces, OfPlatform, rate_lines
 from solver.frequency.response import Response
 from solver.frequency.shape import beyond_rayleigh
+from solver.keys import shared
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 
@@ -39,34 +44,43 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlat
     bends = (response.bends | (drag(law)[nc:] > 0)) & ~response.stuck & rates.any(axis=0)
     if nm == 0 or not bends.any():
         return waves
-    axes, one = np.flatnonzero(bends), len(rates) == 1
-    omega, force = (_harmonics if one else _spread)(case, response, rate_load(law, nc + axes), rates[:, axes])
+    axes = np.flatnonzero(bends)
+    load, moved = rate_load(law, nc + axes), rates[:, axes]
+    if one := len(rates) == 1:
+        omega, force = _harmonics(response.omega, load, moved)
+        process = gaussian.Process(np.append(of.omega, omega), 2 * np.pi / of.omega[0], begin=0.0)
+    else:
+        omega, force = _spread(case, response, load, moved)
+        process = gaussian.Process(np.append(of.omega, omega), of.duration, of.others + omega.size, of.begin)
     pushed = np.zeros((len(omega), len(model.mass)), complex)
     pushed[:, nm + axes] = -force
-    Z = model.dynamic_stiffness(omega, case.impedance_at(omega)) - 1j * omega[:, None, None] * response.damping
+    Y = case.impedance_at(omega)
+    Z = model.dynamic_stiffness(omega, Y) - 1j * omega[:, None, None] * response.damping
     X = np.linalg.solve(Z, pushed[..., None])[..., 0]
-    every = np.append(of.omega, omega)
+    platform = OfPlatform(
+        process,
+        np.concatenate([waves.X, X[:, :nm]]),
+        frame._replace(lines=np.concatenate([frame.lines, _borne(case, omega, Y, X)])),
+    )
     if one:
-        process = gaussian.Process(every, 2 * np.pi / of.omega[0], begin=0.0)
-    else:
-        process = gaussian.Process(every, of.duration, of.others + omega.size, of.begin)
-    lines = np.concatenate([frame.lines, _borne(case, omega, X)])
-    loads = np.concatenate([rates[:, axes] * np.diag(response.damping)[nm + axes], force])
-    fastest = gaussian.spread(rates) * (peak := gaussian.peak(rates, of)) * beyond_rayleigh(response.excess, peak)
-    largest = rate_load(law, nc + axes)(fastest[None, axes])[0]
-    extremes = 1.0 if one else _extremes(case, largest, loads, lines)
-    return OfPlatform(process, np.concatenate([waves.X, X[:, :nm]]), frame._replace(lines=lines), extremes)
+        return platform
+    loads = np.concatenate([moved * np.diag(response.damping)[nm + axes], force])
+    return platform._replace(extremes=_extremes(case, load, moved, response.excess[axes], loads, platform.frame.lines))
 
 
-def _extremes(case: Case, largest: np.ndarray, loads: np.ndarray, frame: np.ndarray) -> float:
+def _extremes(
+    case: Case, load: Load, rates: np.ndarray, excess: np.ndarray, loads: np.ndarray, frame: np.ndarray
+) -> float:
     """Largest ones to be expected of steel over those of Gaussian lines (nl, ny), where that is furthest from 1.
 
     Where loads' largest are r of those, (1 + s² (r² - 1))^½ of what goes with them by a correlation s.
-    largest (nj,): of loads of lines (nl, nj).
+    loads (nl, nj): their lines, by rates with an excess of kurtosis (nj,).
     """
-    steel, furthest = case.channels.steel, 1.0
-    told = gaussian.spread(loads) * gaussian.peak(loads[: case.omega.size], case.process)
-    more = (largest / told) ** 2 - 1
+    steel, furthest, of = case.channels.steel, 1.0, case.process
+    peak = gaussian.peak(rates, of)
+    fastest = gaussian.spread(rates) * peak * beyond_rayleigh(excess, peak)
+    told = gaussian.spread(loads) * gaussian.peak(loads[: of.omega.size], of)
+    more = (load(fastest[None])[0] / told) ** 2 - 1
     for _, lines in steel.channels(frame) if steel is not None else ():
         every = lines.reshape(len(lines), -1)
         size = gaussian.spread(every)
@@ -77,10 +91,10 @@ def _extremes(case: Case, largest: np.ndarray, loads: np.ndarray, frame: np.ndar
     return furthest
 
 
-def _harmonics(_case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """ω (ne,) and loads (ne, nj) of one wave's."""
+def _harmonics(omega: np.ndarray, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """ω (ne,) and loads (ne, nj) of one wave's (1,)."""
     turned = np.exp(1j * np.outer(HARMONICS, gaussian.PHASE)) * (2 / gaussian.PHASES)
-    return HARMONICS * response.omega, turned @ load(gaussian.one_period(rates))
+    return HARMONICS * omega, turned @ load(gaussian.one_period(rates))
 
 
 def _spread(case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -118,15 +132,17 @@ def _left(load: Load, rates: np.ndarray, omega: np.ndarray, step: float, count: 
 
 def _terms(load: Load, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """J (nj,), cₖ (nk, nj) and sₖ (nk,) of the third order and all odd ones above."""
-    f = load(GRID[:, None] * sigma)
+    f, each = load(GRID[:, None] * sigma), _polynomials()
+    return 1.5 * f[0] - 0.5 * f[1], each @ f, each.sum(axis=1)
+
+
+@lru_cache
+def _polynomials() -> np.ndarray:
+    """Those Heₖ/√k! on the grid, with the weights of a mean (nk, ng)."""
+    orders = np.arange(3, ORDERS + 1, 2)
     weight = np.sqrt(2 / np.pi) * (GRID[1] - GRID[0]) * np.exp(-0.5 * GRID**2)
-    below, H, c, s = np.ones(GRID.shape), np.array(GRID), [], []
-    for k in range(2, ORDERS + 1):
-        below, H = H, (GRID * H - np.sqrt(k - 1) * below) / np.sqrt(k)
-        if k % 2:
-            c.append((weight * H) @ f)
-            s.append(np.sum(weight * H))
-    return 1.5 * f[0] - 0.5 * f[1], np.array(c), np.array(s)
+    each = hermevander(GRID, ORDERS)[:, orders] / np.sqrt(factorial(orders))
+    return shared((each * weight[:, None]).T)
 
 
 def _nodes(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:
@@ -141,11 +157,11 @@ def _nodes(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
 
 
-def _borne(case: Case, omega: np.ndarray, X: np.ndarray) -> np.ndarray:
-    """Of the frame (ne, ny) in these motions, their drag aside."""
+def _borne(case: Case, omega: np.ndarray, Y: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """Of the frame (ne, ny) in these motions, their drag aside, where what radiates has impedance Y (ne, na, na)."""
     support, model, rate = case.system.support, case.model, -1j * omega[:, None]
     if support is None or support.forces is None:
         return np.zeros((omega.size, 0), complex)
     P, none = X[:, : model.modes.shape[1]], np.zeros((omega.size, len(model.active)))
-    carried = model.carried(omega, X @ model.shape.T, case.impedance_at(omega), none)
+    carried = model.carried(omega, X @ model.shape.T, Y, none)
     return support.forces.whole(support.forces.of_motion(rate * P, rate**2 * P, carried))
