@@ -16,15 +16,15 @@ from solver.multibody.bodies import (
     new_motion,
     pressure_room,
 )
-from solver.multibody.minimal import loads, move, pressures
+from solver.multibody.minimal import loads, mass_matrix, move, pressures
 from solver.multibody.zones import zones_at_rest
 
 STEP = 1e-5  # of differences [m or rad]: what curvature and rounding leave is below 1e-8
 SLOW = 1e-6  # of differences by rates [m/s or rad/s]: quadratic damping is nothing there, rounding 1e-9
 SETTLED = 1e-12  # last change of a coordinate [m or rad]
-UNHELD = 1e-6  # of the weights [N m], that may be left out of balance
+UNHELD = 1e-6  # of the weights, that may be left out of balance
 ANGLES = 100  # at which it is looked whether a joint is pushed back to its rest
-FALLS = -1e-4  # of the largest stiffness: below it a joint is pushed away
+FALLS = -1e-4  # of the largest stiffness over inertia: below it a joint is pushed away
 STRIDES = 500  # of the search for the floats' rest, in the water or out of it
 ROUNDS = 100  # of floats and structure in turn; a float on a platform as soft as itself needs some twenty
 
@@ -96,10 +96,11 @@ def symmetric_stiffness(residual: np.ndarray) -> np.ndarray:
 
 
 def weights(body: Bodies) -> float:
-    """Of all floats on a metre, on their arms and on the way to their centres of gravity [N m]."""
+    """Of all floats on their radii of gyration, their arms and the way to their centres of gravity [N m]."""
     hinge = body.point[:, :1].sum(axis=1)  # the first axis's; without floats there is none
     lever = np.linalg.norm(body.reference - hinge, axis=1) + np.linalg.norm(body.cog, axis=1)
-    return float(body.gravity * np.sum(body.mass * (1 + lever)))
+    gyration = np.sqrt(np.trace(body.inertia, axis1=1, axis2=2) / body.mass)
+    return float(body.gravity * np.sum(body.mass * (gyration + lever)))
 
 
 def equilibrium(
@@ -152,7 +153,7 @@ def _settle_joints(body: Bodies, z: np.ndarray, nc: int, stride: float) -> None:
     """
     before = np.zeros(z.size - nc)
     for k in range(STRIDES):
-        update, r, stiffness = _downhill(body, z, nc)
+        update, r, stiffness, weight = _downhill(body, z, nc)
         size = np.abs(update).max()
         if k == 0 and size < stride and stiffness.min() < FALLS * np.abs(stiffness).max():
             return
@@ -162,7 +163,7 @@ def _settle_joints(body: Bodies, z: np.ndarray, nc: int, stride: float) -> None:
             stride /= 2
         before = update * min(1.0, stride / size)
         z[nc:] += before
-    if not np.abs(r).max() <= UNHELD * weights(body):
+    if not np.all(np.abs(r) <= UNHELD * weight):
         where, left = (", ".join(f"{value:.3g}" for value in values) for values in (z[nc:], r))
         raise SimulationFailed(
             f"no static equilibrium in still water near rest: joints at {where} after {k + 1} steps, and nothing holds"
@@ -170,12 +171,19 @@ def _settle_joints(body: Bodies, z: np.ndarray, nc: int, stride: float) -> None:
         )
 
 
-def _downhill(body: Bodies, z: np.ndarray, nc: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Newton's step of the joints (nj,) with all curvatures taken as positive, the load there (nj,) and these (nj,)."""
+def _downhill(body: Bodies, z: np.ndarray, nc: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Newton's step of the joints (nj,) with all curvatures taken as positive, the load there (nj,), these over
+    inertia (nj,), by which metres and radians compare, and what all floats weigh on each axis (nj,) [N or N m].
+    """
     n, steps = z.size, STEP * np.eye(z.size)
     load = balance(body, np.concatenate([z - steps, z + steps, z[None]]))[0]
     r, tangent = load[-1, nc:], symmetric_stiffness((load[n : 2 * n] - load[:n]) / (2 * STEP))
-    value, vector = np.linalg.eigh(tangent[nc:, nc:])
+    motion, M = new_motion(body), np.zeros((n, n))
+    move(body, z, np.zeros(n), motion)
+    mass_matrix(body, motion, M)
+    size = np.sqrt(np.diag(M)[nc:])
+    value, vector = np.linalg.eigh(tangent[nc:, nc:] / np.outer(size, size))
     # Nothing holds a free float in surge or yaw, and nothing pushes it; rounding is 1e-7 of the rest.
     held = np.abs(value) > 1e-6 * np.abs(value).max()
-    return vector[:, held] @ (vector[:, held].T @ r / np.abs(value[held])), r, value
+    update = vector[:, held] @ (vector[:, held].T @ (r / size) / np.abs(value[held])) / size
+    return update, r, value, body.gravity * np.sqrt(body.mass.sum()) * size

@@ -277,8 +277,8 @@ def _within(model: FrameModel, density: float) -> tuple[float, float, float]:
     """What the worst elements leave out by soil [-], inertia [s²] and taper [-], see `structure.fineness`."""
     soil, by_inertia, by_soil = model.frame.soil, 0.0, 0.0
     for e, (section, L) in enumerate(zip(model.sections, model.length, strict=True)):
-        member = model.member_of(e)
-        by_inertia = max(by_inertia, fineness.by_inertia(member, section, L, density))
+        member, growth = model.member_of(e), fineness.thickest(model.frame, model.ends[e])
+        by_inertia = max(by_inertia, fineness.by_inertia(member, section, L, density, growth))
         if soil is not None:
             for _, _, stiffness in soil.points(model.ends[e]):
                 by_soil = max(by_soil, fineness.by_soil(member, section, L, stiffness))

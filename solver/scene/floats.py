@@ -355,6 +355,15 @@ def is_planar(floats: Iterable[Float], heading: float, current: Current | None =
     )
 
 
+def lines_mirrored(floats: Iterable[Float]) -> bool:
+    """Whether each float's catenary lines are their own image in y = 0: others pull a platform out of the plane."""
+    flip = np.array([1, -1, 1, 1, -1, 1, 1, 1, 1])
+    each = ([(*line.anchor, *line.fairlead, line.length, line.weight, line.EA) for line in f.lines] for f in floats)
+    return all(
+        sorted(rows) == sorted(tuple(row) for row in (flip * np.reshape(rows, (-1, 9))).tolist()) for rows in each
+    )
+
+
 def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
     """A float that at rest reaches the seabed and does not stand on it, or whose reference point is not at z = 0."""
     key, z = f"floats.{item.name}.arm", item.centre[2]

@@ -13,7 +13,7 @@ from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import ON_SEABED, stands
 from solver.hydrodynamics.hull.swing import Stroke, meeting
-from solver.scene.floats import STARTS, Float, is_planar, on_others, out_of_place, unlisted
+from solver.scene.floats import STARTS, Float, is_planar, lines_mirrored, on_others, out_of_place, unlisted
 from solver.scene.platform import Platform
 from solver.scene.settings import OUTPUTS, Settings
 from solver.scene.turning import turned_over
@@ -290,7 +290,8 @@ class Scene:
     def planar(self) -> bool:
         """Scene and sea are mirror images of themselves in y = 0, so nothing leaves the plane."""
         flat = is_planar(self.floats, self.sea.heading, self.current)
-        return flat and (self.platform is None or self.platform.symmetric(self.water))
+        held = self.platform is None or (self.platform.symmetric(self.water) and lines_mirrored(self.floats))
+        return flat and held
 
 
 def two_digits(step: float) -> float:

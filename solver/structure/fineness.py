@@ -23,11 +23,14 @@ FEWEST, MOST = 4, 64  # with four a pinned column's Euler load is right to 5e-4,
 MOST_OF_ALL = 10_000
 
 
-def by_inertia(member: Member, section: Section, L: float, density: float) -> float:
-    """Of an element of length L, over ω² [s²]; it carries the water's mass, too."""
-    material = member.material
-    displaced = (member.inertia_coefficient - 1) * np.pi / 4 * section.diameter**2
+def by_inertia(member: Member, section: Section, L: float, density: float, growth: np.ndarray) -> float:
+    """Of an element of length L, over ω² [s²]; it carries the water's mass, too, and growth of a thickness [m] and a
+    density [kg/m3] (2,)."""
+    material, (thickness, of_growth) = member.material, growth
+    bare, whole = (np.pi / 4 * (section.diameter + layer) ** 2 for layer in (0.0, 2 * thickness))
+    displaced = (member.inertia_coefficient - 1) * whole
     mass = material.density * section.area + density * (displaced + section.hollow * bool(member.flooded))
+    mass += of_growth * (whole - bare)
     return mass * max(_bending(member, section, L), L**2 / (12 * material.E * section.area))
 
 
@@ -62,18 +65,26 @@ def divided(frame: Frame, undivided: set[str], *, density: float, gravity: float
     return replace(frame, members=members)
 
 
+def thickest(frame: Frame, ends: np.ndarray) -> np.ndarray:
+    """Thickness and density (2,) of the most growth on what lies between ends (2, 3), wet or not."""
+    low, high = np.sort(ends[:, 2])
+    between = [-line.depth for line in frame.growth if low < -line.depth < high]
+    return np.max(frame.grown(np.array([low, high, *between])), axis=1)
+
+
 def _enough(frame: Frame, member: Member, density: float, gravity: float) -> int:
     ends = frame.ends(member)
     L = float(np.linalg.norm(ends[1] - ends[0]))
     soil = frame.soil.points(ends) if frame.soil is not None else ()
     stiffness = np.max([np.zeros(3), *(there for _, _, there in soil)], axis=0)
     sections = [member.section_at(share) for share in (0.0, 1.0)]
+    growth = thickest(frame, ends)
     elements = FEWEST
     while (
         elements < MOST
         and max(
             by_taper(replace(member, elements=elements)),
-            *(_left_out(member, section, L / elements, density, gravity, stiffness) for section in sections),
+            *(_left_out(member, section, L / elements, density, gravity, stiffness, growth) for section in sections),
         )
         > LEFT_OUT
     ):
@@ -82,8 +93,14 @@ def _enough(frame: Frame, member: Member, density: float, gravity: float) -> int
 
 
 def _left_out(
-    member: Member, section: Section, L: float, density: float, gravity: float, stiffness: np.ndarray
+    member: Member,
+    section: Section,
+    L: float,
+    density: float,
+    gravity: float,
+    stiffness: np.ndarray,
+    growth: np.ndarray,
 ) -> float:
     diameter = np.sqrt(8 * min(section.Iy, section.Iz) / section.area)  # of a thin tube
     omega2 = 2 * np.pi * gravity / (SHORTEST * diameter)
-    return omega2 * by_inertia(member, section, L, density) + by_soil(member, section, L, stiffness)
+    return omega2 * by_inertia(member, section, L, density, growth) + by_soil(member, section, L, stiffness)

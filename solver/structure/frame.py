@@ -1,5 +1,6 @@
 """Frozen inputs of a frame of beams, and what is refused among them; `frame_model` makes arrays of them."""
 
+import contextlib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -288,5 +289,9 @@ class Frame:
 def _loosest(kept: np.ndarray, whole: np.ndarray, free: np.ndarray) -> int | None:
     """The degree of freedom that takes most part in a motion which releases leave without stiffness or mass, if any."""
     size = 1 / np.sqrt(np.diag(whole)[free])
-    values, vectors = np.linalg.eigh(size[:, None] * kept[np.ix_(free, free)] * size)
+    scaled = size[:, None] * kept[np.ix_(free, free)] * size
+    with contextlib.suppress(np.linalg.LinAlgError):  # at once, where nothing is loose
+        scipy.linalg.cholesky(scaled - beam.LOOSE * np.eye(free.size), overwrite_a=True, check_finite=False)
+        return None
+    values, vectors = np.linalg.eigh(scaled)
     return None if values[0] >= beam.LOOSE else int(free[np.abs(vectors[:, 0]).argmax()])

@@ -16,7 +16,7 @@ from scipy import sparse
 
 from solver.keys import shared
 from solver.structure import beam, recovery, statics, water
-from solver.structure.frame_model import FrameModel, scatter
+from solver.structure.frame_model import FrameModel
 from solver.structure.members import Member
 
 SLAB = 2**22  # numbers of an array made on the way
@@ -78,10 +78,9 @@ class Influence:
     ) -> np.ndarray:
         """(ny,) of the static displacement (6n,) under `load`, of which element_loads (ne, 12) are spread."""
         forces = recovery.section_forces(self.model, displacement, element_loads)[wanted.end, wanted.component]
-        size = self.model.K.shape[0]
-        elastic = scatter(self.model.softened_stiffness, self.model.transform, self.model.dofs, size)
         of_soil = [self.model.soil_reaction(member)[0] @ displacement for member in wanted.buried]
-        on_feet = (elastic[wanted.grounded] @ displacement) - load[wanted.grounded]
+        held = self.model.K[wanted.grounded] @ displacement - load[wanted.grounded]
+        on_feet = np.where(_clamped(self.model, wanted), held, -self.model.ground[wanted.grounded] @ displacement)
         return np.concatenate([forces, on_feet, *of_soil])
 
 
@@ -93,7 +92,7 @@ def influence(model: FrameModel, wanted: Wanted) -> Influence:
     T = model.transform[element]
     face = recovery.FACE[row, None]
     blocks = face * np.einsum("ya,yab->yb", stiffness[element, row], T)
-    clamped = ~np.isin(wanted.grounded, model.free)
+    clamped = _clamped(model, wanted)
     on_feet = np.where(clamped[:, None], model.K[wanted.grounded].toarray(), -model.ground[wanted.grounded].toarray())
     reactions = np.concatenate([on_feet, *(model.soil_reaction(member)[0] for member in wanted.buried)])
     unit = np.zeros((model.K.shape[0], k + len(reactions)))
@@ -110,6 +109,11 @@ def influence(model: FrameModel, wanted: Wanted) -> Influence:
         element=np.concatenate([element, np.full(len(reactions), -1)]),
         within=np.concatenate([-face * np.reshape(to_ends, (-1, 12, 12))[np.arange(k), row], none]),
     )
+
+
+def _clamped(model: FrameModel, wanted: Wanted) -> np.ndarray:
+    """Which of the degrees of freedom that have a reaction (nr,) are not on springs."""
+    return ~np.isin(wanted.grounded, model.free)
 
 
 @lru_cache(maxsize=8)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from solver.coupled.boundary import coefficients as solved
 from solver.coupled.preparation import prepare
 from solver.coupled.system import BALANCE
 from solver.errors import InputError
@@ -15,6 +16,8 @@ from solver.run import simulate
 from solver.scene import Float, Platform, Scene, Settings, Water
 from solver.sea.realization import CALM, realize
 from solver.sea.spectrum import PiersonMoskowitz
+from tests.awkward import prism, sea
+from tests.awkward import scene as awkward_scene
 from tests.once import solve
 from tests.reference.test_reference import FINE, HULL, alike, apart, both, pile
 from tests.test_invariants import alone
@@ -155,3 +158,27 @@ def test_what_cannot_be_carried_is_refused():
     nodes = {"base": "h1", "arm": "h2"}
     with pytest.raises(InputError, match=r"floats\.arm\.on = base: must be empty"):
         replace(scene(), platform=Platform(frame=pile(), hinge_nodes=nodes))
+
+
+@pytest.mark.parametrize("length", [0.2, 1.0, 400.0])
+def test_rest_goes_with_the_scale(length):
+    """A soft mooring's shift under 1e-5 of the weight, and the list of a hull that is not stable upright."""
+    l = length
+    hull = prism([(-0.5 * l, -0.15 * l), (0.5 * l, -0.15 * l), (0.5 * l, 0.1 * l), (-0.5 * l, 0.1 * l)], 0.3 * l)
+    mass = 1025.0 * hull.volume
+    soft, push = mass * (2 * np.pi / 30) ** 2 / l, 1e-5 * mass * 9.81
+
+    def rest(height, aside=0.0, **joint):
+        item = Float(
+            name="hull", hull=hull, mass=mass, inertia=tuple(mass * (k * l) ** 2 for k in (0.1, 0.28, 0.28)),
+            hinge=(0, 0, 0), cog=(0, aside * l, height * l), **joint,
+        )  # fmt: skip
+        given = {"radiation": False, "diffraction": False, "duration": 5 * l**0.5}
+        waves = sea(Hs=0.01 * l, Tp=1.2 * l**0.5, band=(4 / l**0.5, 12 / l**0.5))
+        whole = awkward_scene([item], depth=3 * l, waves=waves, **given)
+        return prepare(whole, solved(whole)).joints_at_rest
+
+    surge = rest(-0.03, motion=("surge", "heave", "pitch"), stiffness=(soft, 0, 0), preload=(push, 0, 0))[0]
+    assert surge / l == approx(push / soft / l, rel=1e-6)
+    roll = rest(-0.024, 1e-4, motion=("sway", "heave", "roll"))[2]
+    assert abs(roll) == approx(0.234, abs=2e-3)

@@ -9,13 +9,17 @@ from pytest import approx
 from scipy.integrate import quad, solve_ivp
 
 from solver.catenary import ends, tensions
+from solver.coupled.boundary import coefficients
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import linear_model
 from solver.coupled.preparation import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.mooring import Line, line_loads, line_stiffness
 from solver.run import simulate
-from solver.scene import DOFS, Scene, Water
+from solver.scene import DOFS, Float, Platform, Scene, Water
+from solver.structure.frame import Frame
+from solver.structure.members import Member
+from solver.structure.sections import tube
 from tests import awkward
 from tests.coupled.test_mooring import LEVEL, TURNING, M, dry, floating
 
@@ -177,3 +181,31 @@ def test_a_line_too_taut_for_its_platform_is_told():
     pulled = replace(item, floats=(replace(item.floats[0], lines=(taut,)),))
     with pytest.raises(SimulationFailed, match=r"still move by .* m or rad after 100 rounds; .* too taut a line"):
         prepare(pulled, h).start()
+
+
+def test_a_line_that_is_not_mirrored_takes_its_platform_out_of_the_plane():
+    """As in waves that are a hair off; two that are each other's image pull it nowhere."""
+    leg = Member(
+        name="leg", start="foot", end="top", elements=2, section=tube(0.6, 0.02), material=awkward.STEEL,
+        drag_coefficient=1.0, inertia_coefficient=2.0,
+    )  # fmt: skip
+    frame = Frame(nodes={"foot": (0, 0, -25.0), "top": (0, 0, 3.0)}, members=(leg,), clamped=("foot",))
+    platform = Platform(frame=frame, legs=("leg",), hinge_nodes={"float": "top"})
+    pair = [
+        Line(anchor=(-2.36, 40.0 * side, -25.0), fairlead=(0, 0.5 * side, -0.3), length=48.0, weight=30.0, EA=1e8)
+        for side in (1, -1)
+    ]
+
+    def aside(lines, heading=0.0):
+        item = Float(
+            name="float", hull=awkward.BALL, mass=awkward.BUOYED, inertia=(859.0,) * 3, hinge=(0, 0, 3.0),
+            arm=(-2.36, 0, -3.0), lines=lines,
+        )  # fmt: skip
+        given = {"radiation": False, "diffraction": False, "froude_krylov": "linear"}
+        whole = awkward.scene([item], depth=25.0, waves=awkward.sea(heading=heading), platform=platform, **given)
+        system = prepare(whole, coefficients(whole))
+        return whole.planar, system.support.legs.top_displacement(system.equilibrium[1][None])[0, 0, 1]
+
+    (planar, one), (_, off) = aside((pair[0],)), aside((pair[0],), 1e-9)
+    assert not planar and one == approx(off, rel=1e-6) and one > 0.01
+    assert aside(tuple(pair)) == (True, 0.0)

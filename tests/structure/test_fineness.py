@@ -1,5 +1,7 @@
 """Elements that a member has where none are given, against what they are to leave out at most."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from solver.structure import fineness
 from solver.structure.fineness import FEWEST, LEFT_OUT, MOST, by_inertia, divided
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
-from solver.structure.members import Member
+from solver.structure.members import MarineGrowth, Member
 from solver.structure.modes import modes
 from solver.structure.sections import tube
 from tests.structure.test_soil import bent, even, pile
@@ -29,6 +31,9 @@ def column(steel, *, length=50.0, elements=1, section=None, **fields):
     return Frame(nodes={"foot": (0, 0, -length), "top": (0, 0, 0)}, members=(member,), clamped=("foot",))
 
 
+BARE = np.zeros(2)
+
+
 def elements(frame):
     return divided(frame, {"leg", "pile"}, **WATER).members[0].elements
 
@@ -39,7 +44,7 @@ def test_what_inertia_leaves_out_is_what_a_modes_square_is_too_large_by(steel, c
     frame = column(steel, elements=count)
     omega = [modes(m.K, m.M, m.free, 3).omega[2] for m in (assemble(frame), assemble(column(steel, elements=64)))]
     leg = frame.members[0]
-    told = omega[1] ** 2 * by_inertia(leg, leg.section, 50.0 / count, 0.0)
+    told = omega[1] ** 2 * by_inertia(leg, leg.section, 50.0 / count, 0.0, BARE)
     assert (omega[0] / omega[1]) ** 2 - 1 == pytest.approx(told, rel=0.05)
 
 
@@ -50,7 +55,7 @@ def test_elements_are_halved_until_no_more_is_left_out(steel):
     assert FEWEST <= counts[1] < counts[0] <= MOST
     assert all(np.log2(n) % 1 == 0 for n in counts)
     leg, omega2 = thin.members[0], 2 * np.pi * 9.81 / (fineness.SHORTEST * 0.3)
-    usual, half = (omega2 * by_inertia(leg, leg.section, 50.0 / n, 1025.0) for n in (counts[0], counts[0] / 2))
+    usual, half = (omega2 * by_inertia(leg, leg.section, 50.0 / n, 1025.0, BARE) for n in (counts[0], counts[0] / 2))
     assert usual < LEFT_OUT < half
 
 
@@ -88,7 +93,22 @@ def test_water_that_moves_with_a_member_counts(steel):
     bare, wet = (column(steel, inertia_coefficient=c).members[0] for c in (1.0, 2.0))
     flooded = column(steel, inertia_coefficient=1.0, flooded=True).members[0]
     section = bare.section
-    alone, around, within = (by_inertia(m, section, 5.0, 1025.0) for m in (bare, wet, flooded))
+    alone, around, within = (by_inertia(m, section, 5.0, 1025.0, BARE) for m in (bare, wet, flooded))
     own = steel.density * section.area
     assert around / alone == pytest.approx(1 + 1025.0 * np.pi / 4 * 0.5**2 / own)
     assert within / alone == pytest.approx(1 + 1025.0 * np.pi / 4 * 0.46**2 / own)
+
+
+def test_growth_that_moves_with_a_member_counts(steel):
+    """By its own mass, and by the water round a thicker member; as thick as anywhere on it."""
+    lines = tuple(
+        MarineGrowth(depth=z, thickness=t, density=1300.0) for z, t in ((0.0, 0.02), (20.0, 0.1), (40.0, 0.0))
+    )
+    frame = replace(column(steel, inertia_coefficient=2.0), growth=lines)
+    growth = fineness.thickest(frame, frame.ends(frame.members[0]))
+    assert growth == pytest.approx([0.1, 1300.0])
+    (member,), bare, whole = frame.members, np.pi / 4 * 0.5**2, np.pi / 4 * 0.7**2
+    alone, grown = (by_inertia(member, member.section, 5.0, 1025.0, g) for g in (BARE, growth))
+    own = steel.density * member.section.area
+    assert grown / alone == pytest.approx((own + 1025.0 * whole + 1300.0 * (whole - bare)) / (own + 1025.0 * bare))
+    assert elements(frame) >= elements(replace(frame, growth=()))

@@ -18,7 +18,7 @@ from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.field import WaveField
 from solver.sea.realization import CALM, ramp, regular
-from solver.structure import beam, recovery, statics, water
+from solver.structure import beam, in_water, recovery, statics, water
 from solver.structure.frame import Frame
 from solver.structure.influence import Wanted, influence
 from solver.structure.members import Material, Member, PointLoad, PointMass
@@ -411,3 +411,27 @@ def test_softened_frames_balance_their_softened_stiffness():
     end = (k @ beam.to_global(model.rotation[e]) @ d[model.dofs[e]])[6:]
     assert sections[0, s.forces.places.members.index("b"), 1] == approx(end)
     assert at_rest.shape == d.shape
+
+
+def test_softened_feet_on_springs_give_what_the_springs_do():
+    """-k u, with a heavy mass high above the foot's node and a rigid offset at it, whose levers lean with the foot."""
+    steel = Material(E=2.1e11, G=8.33e10, density=7850.0)
+    leg = Member(
+        name="leg", start="foot", end="top", elements=4, section=tube(0.5, 0.02), material=steel,
+        start_offset=(1.0, 0.0, 2.0),
+    )  # fmt: skip
+    frame = Frame(
+        nodes={"foot": (0, 0, 5.0), "top": (0, 0, 25.0)}, members=(leg,),
+        masses=(PointMass(node="top", mass=7e4), PointMass(node="foot", mass=5e5, cog=(0, 0, 4.0))),
+        loads=(PointLoad(node="top", force=(2e4, 0.0, 0.0)),), foundation={"foot": (5e7, 5e7, 3e8, 4e8, 4e8, 1e8)},
+    )  # fmt: skip
+    model, d, _ = in_water.dynamic_model(frame, 1025.0, G, softened=True)
+    feet = 6 * model.node_index["foot"] + np.arange(6)
+    wanted, load = (
+        Wanted(end=np.zeros(0, int), component=np.zeros(0, int), grounded=feet),
+        water.static_load(model, 1025.0, G),
+    )
+    by_influence = influence(model, wanted)
+    at_rest = by_influence.at_rest(wanted, d, load, water.spread_load(model, 1025.0, G))
+    assert at_rest == approx(-model.ground[feet] @ d)
+    assert at_rest == approx(by_influence.nodal.T @ load, abs=1e-6 * np.abs(at_rest).max())
