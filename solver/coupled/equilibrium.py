@@ -180,7 +180,7 @@ def _downhill(body: Bodies, z: np.ndarray, nc: int) -> tuple[np.ndarray, np.ndar
     r, tangent = load[-1, nc:], symmetric_stiffness((load[n : 2 * n] - load[:n]) / (2 * STEP))
     motion, M = new_motion(body), np.zeros((n, n))
     move(body, z, np.zeros(n), motion)
-    mass_matrix(body, motion, M)
+    mass_matrix(body._replace(added_mass=np.zeros_like(body.added_mass)), motion, M)
     size = np.sqrt(np.diag(M)[nc:])
     value, vector = np.linalg.eigh(tangent[nc:, nc:] / np.outer(size, size))
     # Nothing holds a free float in surge or yaw, and nothing pushes it; rounding is 1e-7 of the rest.

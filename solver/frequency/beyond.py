@@ -32,15 +32,17 @@ class Nodes(NamedTuple):
     width: np.ndarray  # (ne,) of what each stands for [rad/s]
 
 
-def nodes(highest: float, own: np.ndarray, half: np.ndarray, share: np.ndarray) -> Nodes:
+def nodes(highest: float, own: np.ndarray, half: np.ndarray, share: np.ndarray, unit: float = 1.0) -> Nodes:
     """Evenly spaced in Λ, which rises by SMOOTH in all and by EACH at each resonance that is the frame's:
 
     Λ(ω) = SMOOTH ω/ω_max + EACH Σ share (1/π) atan((ω - ω₀)/γ), in which a resonance's response is level.
 
     own: ω₀ (m,); half: γ (m,), half of its width; share (m,) of its energy that is the frame's. Neither width nor the
-    highest frequency need be exact, so that seas that are alike share the nodes.
+    highest frequency need be exact, so that seas that are alike share the nodes: they are powers of 2 of a unit
+    [rad/s], that of the scene, so that models have those of full scale.
     """
-    highest, half = 2.0 ** (np.floor(ALIKE * np.log2(highest)) / ALIKE), 2.0 ** np.round(np.log2(half))
+    highest = unit * 2.0 ** (np.floor(ALIKE * np.log2(highest / unit)) / ALIKE)
+    half = unit * 2.0 ** np.round(np.log2(half / unit))
     near = own[:, None] + half[:, None] * np.tan(np.linspace(-1.5, 1.5, 16 * EACH))
     at = np.union1d(np.linspace(0.0, highest, 16 * SMOOTH), near[(near > 0) & (near < highest)])
     apart = (at[:, None] - own) / half

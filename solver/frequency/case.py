@@ -133,7 +133,11 @@ class Case:
         below = (self.modes.omega > 0) & (self.modes.omega < highest)
         own, shapes = self.modes.omega[below], self.modes.shapes[:, below]
         half = np.maximum(np.sum(shapes * (damping @ shapes), axis=0) / 2, NARROW * own)
-        return beyond.nodes(highest, own, half, np.sum(shapes[:nm] ** 2, axis=0))
+        scene = self.system.scene
+        assert scene.platform is not None, "drag is a platform's"
+        size = np.ptp(list(scene.platform.frame.nodes.values()), axis=0).max()
+        unit = float(np.sqrt(scene.water.gravity / size))
+        return beyond.nodes(highest, own, half, np.sum(shapes[:nm] ** 2, axis=0), unit)
 
     @cached_property
     def omega(self) -> np.ndarray:

@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
 from scipy.interpolate import make_interp_spline
 from scipy.linalg import eigh
 
@@ -28,12 +29,13 @@ from solver.scene import Scene
 NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of half its width
 SLOWEST = 1e-6  # [rad/s] at which added mass is that of no frequency
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
+SHARED = 16  # points in a band's width that waves are shared between: 1e-4 of the largest by that
 FEW = 16  # waves whose differences are told one by one: of more a record shows the spectrum
 
 Impedance = Callable[[np.ndarray], np.ndarray]  # of frequencies μ (m,): B - iμ(A - A∞) (m, n, n)
 
 
-class Slow(NamedTuple):
+class SlowLoad(NamedTuple):
     """What varies slowly of a load."""
 
     mu: np.ndarray  # (m,) [rad/s]
@@ -124,7 +126,7 @@ def radiated(system: System, h: Hydrodynamics) -> Impedance:
     return lambda mu: np.asarray(E.T @ impedance_anywhere(system, h, mu) @ E)
 
 
-def slow_load(omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, duration: float) -> Slow:
+def slow_load(omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, duration: float) -> SlowLoad:
     """Of waves a (nw,) with loads F (nw, n) each: Σ 2|aᵢaⱼ|² ¼(Tᵢ + Tⱼ)(Tᵢ + Tⱼ)ᵀ over their pairs, at |ωᵢ - ωⱼ|;
 
     of many, with each beside itself, spread by g(|ωᵢ - ωⱼ| - μ), g a band as spectra have them, as wide as waves are
@@ -135,19 +137,32 @@ def slow_load(omega: np.ndarray, amplitude: np.ndarray, loads: np.ndarray, durat
         i, j = np.triu_indices(len(omega), 1)
         each = np.sqrt(squares[j] / squares[i])[:, None]
         both = loads[i] * each + loads[j] / each
-        return Slow(np.abs(omega[i] - omega[j]), 0.5 * both[:, :, None] * both[:, None], lines=True)
+        return SlowLoad(np.abs(omega[i] - omega[j]), 0.5 * both[:, :, None] * both[:, None], lines=True)
     width = max(bands(omega, duration).width, float(np.ptp(omega)) / (len(omega) - 1))
-    mu, apart = np.arange(0, np.ptp(omega) + width, width), omega[:, None] - omega
-    spectrum = np.empty((len(mu), n, n))
-    for k, at in enumerate(mu):
-        g = np.exp(-0.5 * ((apart - at) / width) ** 2) / (width * np.sqrt(2 * np.pi))
-        g = g + g.T
-        spectrum[k] = 0.5 * ((loads * (g @ squares / squares)[:, None]).T @ loads + loads.T @ g @ loads)
-    return Slow(mu, spectrum, lines=False)
+    mu, step = np.arange(0, np.ptp(omega) + width, width), width / SHARED
+    # Sums over pairs by their distance: waves are shared between the points of a grid, which correlate by FFT.
+    place = (omega - omega.min()) / step
+    count = int(place.max()) + 2
+    size = next_fast_len(2 * count, real=True)
+
+    def on_grid(each: np.ndarray) -> np.ndarray:
+        points, low, flat = np.zeros((size, each[0].size)), place.astype(int), each.reshape(len(each), -1)
+        np.add.at(points, low, (1 + low - place)[:, None] * flat)
+        np.add.at(points, low + 1, (place - low)[:, None] * flat)
+        return np.asarray(rfft(points, axis=0))
+
+    own = on_grid(loads[:, :, None] * loads[:, None] / squares[:, None, None]) * on_grid(squares).conj()
+    of_loads = on_grid(loads)
+    between = (of_loads[:, :, None] * of_loads[:, None].conj()).reshape(own.shape)
+    lags = irfft((own + between).real + 0j, size, axis=0)[:count]
+    lags[1:] *= 2  # either way
+    apart = step * np.arange(count)
+    g = sum(np.exp(-0.5 * ((apart + way * mu[:, None]) / width) ** 2) for way in (1, -1)) / (width * np.sqrt(2 * np.pi))
+    return SlowLoad(mu, (0.5 * g @ lags).reshape(len(mu), n, n), lines=False)
 
 
 def moved(
-    model: LinearModel, axes: np.ndarray, Y: Impedance, mean: np.ndarray, slow: Slow
+    model: LinearModel, axes: np.ndarray, Y: Impedance, mean: np.ndarray, slow: SlowLoad
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """Mean and std (n,) along the axes by a mean load (n,) and a slow one, and what has none.
 

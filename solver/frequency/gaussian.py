@@ -70,10 +70,10 @@ class Process:
 
 def sums(omega: np.ndarray, X: np.ndarray, begin: float, step: float, count: int) -> Iterator[np.ndarray]:
     """Values (m, n) of lines (nl, n) at times a step apart, some after others, `count` in all."""
-    turn = np.exp(-1j * np.outer(step * np.arange(BLOCK), omega))
+    turn = np.exp(1j * np.outer(step * np.arange(BLOCK), omega)).view(float)  # cosines and sines by turns
     for first in range(0, count, BLOCK):
-        Y, rows = np.exp(-1j * omega * (begin + step * first))[:, None] * X, turn[: count - first]
-        yield rows.real @ Y.real - rows.imag @ Y.imag
+        Y = np.exp(-1j * omega * (begin + step * first))[:, None] * X
+        yield turn[: count - first] @ np.stack([Y.real, Y.imag], axis=1).reshape(2 * omega.size, -1)
 
 
 def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
@@ -236,7 +236,10 @@ def electrical_table(efficiency: PtoEfficiency, axes: Axes, absorbed: np.ndarray
     S, n = covariance(both, both), c.size
     y, v = np.split(_normal(S), 2, axis=1)
     A = np.block([[np.zeros((n, n)), np.diag(k / 2)], [np.diag(k / 2), np.diag(c)]])
-    std = float(efficiency.electrical(axes.power(y, v)).sum(axis=1).std()) * of_lines(A, both)
+    # Of Σ Pᵢ, the part by the positions' means is linear: lines leave all of it.
+    square, line = 2 * np.trace(A @ S @ A @ S), (k * axes.level) @ S[n:, n:] @ (k * axes.level)
+    left = (of_lines(A, both) ** 2 * square + line) / (square + line) if square + line > 0 else 1.0
+    std = float(efficiency.electrical(axes.power(y, v)).sum(axis=1).std() * np.sqrt(left))
     sigma = np.sqrt(np.diag(S))
     load = axes.load(SIZES[:, None] * sigma[n:])
     taken, given = (_absorbed(s * load, np.abs(k) * sigma[:n], s * k * axes.level, sigma[n:]) for s in (1, -1))

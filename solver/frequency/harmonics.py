@@ -106,7 +106,7 @@ class _Standing(NamedTuple):
         return some(each, self.place, self.height)
 
 
-class Slow(NamedTuple):
+class BelowWaves(NamedTuple):
     """What two waves do not tell."""
 
     others: np.ndarray  # (n, n) leaves of loads what moves no resonance below the waves and nothing without stiffness
@@ -116,7 +116,7 @@ class Slow(NamedTuple):
 
 
 def turning_effect(
-    case: Case, law: JointLaw, response: Response, frame: Forces, angles: np.ndarray, slow: Slow
+    case: Case, law: JointLaw, response: Response, frame: Forces, angles: np.ndarray, slow: BelowWaves
 ) -> Effect:
     """What turning changes of a response; UNTOLD where no round agrees.
 
@@ -225,7 +225,7 @@ def _grown(waves: _Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray
 
 
 def _of_motions(
-    case: Case, law: JointLaw, waves: _Waves, response: Response, linear: np.ndarray, X: np.ndarray, slow: Slow
+    case: Case, law: JointLaw, waves: _Waves, response: Response, linear: np.ndarray, X: np.ndarray, slow: BelowWaves
 ) -> float:
     """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed."""
     rate = waves.omega[:, None]

@@ -35,7 +35,7 @@ from solver.coupled.system import Resting, known_differences
 from solver.frequency.case import KNOWN, NARROW, Case
 from solver.frequency.drag_effect import Effect
 from solver.frequency.gaussian import covariance
-from solver.frequency.harmonics import Slow, turning_effect
+from solver.frequency.harmonics import BelowWaves, turning_effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.lines import some
@@ -124,7 +124,7 @@ def rotation_effect(
     if all_of_it:
         slow += below_the_waves(case, response)
     others = _others(case, (of.shape for of, _ in swinging))
-    return turning_effect(case, law, response, frame, angles, Slow(others, slow, all_of_it, compression))
+    return turning_effect(case, law, response, frame, angles, BelowWaves(others, slow, all_of_it, compression))
 
 
 def _others(case: Case, shapes: Iterable[np.ndarray] = ()) -> np.ndarray:

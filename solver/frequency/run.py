@@ -35,6 +35,7 @@ from solver.record.bound import above
 from solver.record.channels import Labelled, Record, bound
 from solver.record.effects import left_out_effect, response_error, together
 from solver.record.elements import elements_effect
+from solver.record.fatigue import crossing_rate
 from solver.record.probe import UNTOLD, knows_finer, with_tables
 from solver.record.spectra import bands, crossings, moments
 from solver.record.steel import Steel
@@ -130,9 +131,8 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         counted = _counted(channels.steel, platform, waves)
     further = drifting | dict(strokes(case, response))
     if "moments" in scene.settings.outputs:
-        each = ((of, case.omega) for of in linear), ((of, platform.process.omega) for of in of_platform)
-        of_order = {name: moments(omega, lines) for (name, _, lines), omega in chain(*each)}
-        further |= channels.moments({name: (crossings(m), m) for name, m in of_order.items()})
+        each = ((output, case.process) for output in linear), ((output, platform.process) for output in of_platform)
+        further |= channels.moments({name: _crossed(of, lines) for (name, _, lines), of in chain(*each)})
     return channels.record(
         tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
     )
@@ -146,6 +146,18 @@ def _counted(steel: Steel, platform: OfPlatform, waves: int) -> tuple[dict[str, 
     parts, again = [steel.ends(level + block) for block in of.blocks(lines)], CYCLES if waves == 1 else 1
     bent = {at: np.tile(np.concatenate([part[at] for part in parts]), (again, 1, 1)) for at in parts[0]}
     return steel.counted(bent, again * of.duration)
+
+
+def _crossed(of: gaussian.Process, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rate of upcrossings (…) and moments of lines (nl, …): of known phases those of their sum, as a march counts."""
+    of_order, flat = moments(of.omega, lines), lines.reshape(len(lines), -1)
+    rate = crossings(of_order)
+    if of.begin is None or of.omega.size == 1:
+        return rate, of_order
+    again = CYCLES if of.omega.size - of.others == 1 else 1
+    sums = np.tile(np.concatenate([*of.blocks(flat)]), (again, 1))
+    counted = crossing_rate(sums, again * of.duration)
+    return np.where(of.unwaved(flat), rate.ravel(), counted).reshape(rate.shape), of_order
 
 
 def _law_effect(case: Case, response: Response, scene: Scene) -> float:

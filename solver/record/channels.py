@@ -15,7 +15,7 @@ from solver.multibody.of_axes import borne_at_most, pto_bounds, working_rates
 from solver.power_takeoff import PtoEfficiency
 from solver.record import steel
 from solver.record.bound import wave_power
-from solver.record.spectra import MOMENTS, Bands, cross_spectra
+from solver.record.spectra import MOMENTS, Bands, cross_spectra, unmet
 from solver.record.steel import Steel
 from solver.scene import Scene
 from solver.sea.dispersion import wavenumbers
@@ -220,7 +220,7 @@ class Channels:
     ) -> dict[str, Labelled]:
         """Variables of the response of each output's lines (n, …) to the wave's (n,) at omega (n,)."""
         out: dict[str, Labelled] = {"band_frequency": (("frequency_band",), at.omega)}
-        water = self.scene.water
+        water, none = self.scene.water, unmet(at, self.scene.sea.omega[self.scene.sea.amplitude != 0])
         for name, lines in outputs:
             shape, flat = lines.shape[1:], lines.reshape(len(lines), -1)
             ahead = self.ahead(name)
@@ -233,7 +233,8 @@ class Channels:
             parts = {"spectrum": response.density}
             if name != ELEVATION:
                 H = response.transfer
-                parts |= {"response": np.abs(H), "response_phase": np.angle(H), "coherence": response.coherence}
+                of_waves = {"response": np.abs(H), "response_phase": np.angle(H), "coherence": response.coherence}
+                parts |= {part: np.where(none[:, None], np.nan, values) for part, values in of_waves.items()}
             for part, values in parts.items():
                 numbers = np.moveaxis(values, 0, -1).reshape(*shape, len(at.omega))
                 out[f"{name}_{part}"] = (*DIMS[name], "frequency_band"), numbers

@@ -17,8 +17,8 @@ class Settling:
     """Statistics of the first third of a record and its last, as far as they are of whole periods of a single wave."""
 
     def __init__(self, scene: Scene):
-        s, sea = scene.settings, scene.sea
-        self.period = 2 * np.pi / sea.omega[0] if sea.omega.size == 1 and sea.amplitude.any() else np.inf
+        s, met = scene.settings, scene.sea.omega[scene.sea.amplitude != 0]
+        self.period = 2 * np.pi / met[0] if met.size == 1 else np.inf
         whole = self.period * (s.duration // (PARTS * self.period)) if np.isfinite(self.period) else 0.0
         end = s.discard + s.duration
         self.parts = [(s.discard, s.discard + whole), (end - whole, end)] if whole else []

@@ -10,6 +10,7 @@ BANDS = 60  # frequencies at which spectra are put out
 MOMENTS = (0, 1, 2, 4)  # orders of spectral moments that are put out
 LEAST = 4.0  # of the record's own resolution, 2π/T: a band's width at least
 REACH = 5.0  # widths within which a band sees a line
+SEEN = 3.0  # widths within which a band has to have a wave: a response farther off is that of rounding, or of leakage
 
 
 Delay = Callable[[np.ndarray], np.ndarray]
@@ -23,7 +24,7 @@ class Bands(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Of m outputs to the waves, band by band; NaN where there is nothing to divide by."""
+    """Of m outputs to the waves, band by band; NaN where there is nothing to divide by; see `unmet`."""
 
     transfer: np.ndarray  # (nf, m) complex, per wave amplitude
     coherence: np.ndarray  # (nf, m) share of the variance that follows the waves linearly
@@ -35,6 +36,12 @@ def bands(omega: np.ndarray, duration: float) -> Bands:
     low, high = float(omega.min()), float(omega.max())
     count = BANDS if high > low else 1
     return Bands(np.linspace(low, high, count), max((high - low) / BANDS, LEAST * 2 * np.pi / duration))
+
+
+def unmet(at: Bands, omega: np.ndarray) -> np.ndarray:
+    """Which bands (nf,) have none of the waves at omega (nw,)."""
+    apart = np.abs(at.omega[:, None] - omega).min(axis=1, initial=np.inf)
+    return np.asarray(apart > SEEN * at.width)
 
 
 def cross_spectra(

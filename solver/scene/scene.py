@@ -126,6 +126,11 @@ class Scene:
         outputs = self.settings.outputs
         if strange := sorted(set(outputs) - set(OUTPUTS)):
             yield InputError("settings.outputs", strange[0], f"must be of {', '.join(OUTPUTS)}")
+        if self.settings.rao and self.settings.method == "time" and self.sea.amplitude.any():
+            apart = np.diff(self.sea.omega, prepend=0.0).min()
+            if not self.settings.duration * apart >= 2 * np.pi * (1 - 1e-9):
+                limit = f"must be >= {2 * np.pi / apart if apart else np.inf:.4g} s for rao, to tell the waves apart"
+                yield InputError("settings.duration", self.settings.duration, limit)
         if self.platform is None:
             return
         at_feet = [name for name in ("fibre_stress", "fatigue") if name in outputs]

@@ -109,7 +109,10 @@ def regular(*, height: float, period: float, phase: float = 0.0, heading: float 
 
 
 def components(*, amplitude: ArrayLike, omega: ArrayLike, phase: ArrayLike, heading: float = 0.0) -> Realization:
-    """Waves listed one by one: η = Σ Aᵢ cos(kᵢs - ωᵢt + εᵢ), A (n,) [m], ω (n,) [rad/s], ε (n,) [rad]."""
+    """Waves listed one by one: η = Σ Aᵢ cos(kᵢs - ωᵢt + εᵢ), A (n,) [m], ω (n,) [rad/s], ε (n,) [rad].
+
+    Those of one frequency are one wave.
+    """
     A, w, e = (np.asarray(x, float) for x in (amplitude, omega, phase))
     if not A.shape == w.shape == e.shape or A.size == 0:
         limit = f"needs one at least, and as many as omega ({w.size}) and phase ({e.size})"
@@ -119,12 +122,14 @@ def components(*, amplitude: ArrayLike, omega: ArrayLike, phase: ArrayLike, head
             raise InputError(key, values[~np.isfinite(values)][0], "must be a finite number")
     if not np.all(w >= SLOWEST):
         raise InputError("omega", w.min(), f"frequencies must be >= {SLOWEST:g} rad/s")
-    order = np.argsort(w, kind="stable")
+    omega, of = np.unique(w, return_inverse=True)
+    amplitude = np.zeros(omega.size, complex)
+    np.add.at(amplitude, of, A * np.exp(1j * e))
     return Realization(
-        omega=w[order],
-        amplitude=(A * np.exp(1j * e))[order],
+        omega=omega,
+        amplitude=amplitude,
         heading=heading,
-        peak_frequency=float(w[np.argmax(np.abs(A))]),
+        peak_frequency=float(omega[np.argmax(np.abs(amplitude))]),
         known=True,
     )
 

@@ -106,18 +106,24 @@ def test_forces_and_power_are_the_marchs(build, law, limit, one):
         assert np.ptp(of_hinge[:2]) == approx(np.ptp(hinge[:2]), rel=0.05)
 
 
-def test_electrical_power_of_few_lines_varies_less_than_a_gaussian_processs():
-    """Reactive control, by an hour of a hundred seas of four waves."""
+@pytest.mark.parametrize(("level", "far"), [(0.0, 0.02), (3.0, 0.04)])
+def test_electrical_power_of_few_lines_varies_less_than_a_gaussian_processs(level, far):
+    """Reactive control, by an hour of a hundred seas of four waves; what goes by a mean position varies as much."""
     omega, rng = np.array([0.71, 0.97, 1.31, 1.57]), np.random.default_rng(3)
     position = np.array([[1.0], [0.8j], [-0.6], [0.5]])
     axes = gaussian.Axes(
-        lambda v: 2.0 * v, np.array([2.0]), np.array([-3.0]), np.zeros(1), position, -1j * omega[:, None] * position
+        lambda v: 2.0 * v,
+        np.array([2.0]),
+        np.array([-3.0]),
+        np.full(1, level),
+        position,
+        -1j * omega[:, None] * position,
     )
     efficiency = PtoEfficiency(generating=0.9, motoring=0.7)
     told = gaussian.electrical_table(efficiency, axes, np.zeros(5), Process(omega, 3600.0))
     turn = np.exp(1j * rng.uniform(0, 2 * np.pi, (100_000, 4)))  # any phases, as they come in time
     power = efficiency.electrical(axes.power((turn @ position).real, (turn @ axes.rate).real)).ravel()
-    assert told[[2, 4]] == approx([power.mean(), power.std()], rel=0.02)
+    assert told[[2, 4]] == approx([power.mean(), power.std()], rel=far)
 
 
 def test_reactive_control_lends_power_in_the_frequency_domain():

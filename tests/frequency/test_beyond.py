@@ -86,6 +86,8 @@ def test_nodes_integrate_resonances_and_what_is_between_them():
     even = beyond.nodes(4.0, own, half, np.zeros(2))
     assert even.omega == approx(0.4 * (np.arange(beyond.SMOOTH) + 0.5), rel=1e-3)
     assert even.width == approx(0.4)
+    model = beyond.nodes(3.3 * 20**0.5, own * 20**0.5, 1.3 * half * 20**0.5, np.ones(2), 20**0.5)
+    assert model.omega == approx(beyond.nodes(3.3, own, 1.3 * half, np.ones(2)).omega * 20**0.5)
 
 
 @pytest.mark.parametrize("stream", [False, True])

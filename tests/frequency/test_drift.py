@@ -154,6 +154,21 @@ def test_slow_drift_of_one_axis_is_that_of_all_pairs_of_waves(slowest):
     assert std[0] == approx(exact, rel=0.03)
 
 
+def test_slow_loads_of_many_waves_are_the_sums_over_their_pairs():
+    """Each with each, itself too, by the band about their distance; of two loads that go together."""
+    waves, width = realize(PiersonMoskowitz(Hs=3.0, Tp=8.0), components=60, band=(0.4, 2.0), seed=3), None
+    w, a2 = waves.omega, np.abs(waves.amplitude) ** 2
+    T = np.stack([3e4 * w**2, 1e4 * (1.2 - w)], axis=1)
+    slow = drift.slow_load(w, waves.amplitude, T * a2[:, None], 3600.0)
+    width = slow.mu[1]
+    both = 0.5 * (T[:, None] + T) * np.sqrt(np.outer(a2, a2))[:, :, None]
+    for mu, found in zip(slow.mu[::7], slow.power[::7], strict=True):
+        apart = w[:, None] - w
+        g = np.exp(-0.5 * ((apart - mu) / width) ** 2) + np.exp(-0.5 * ((apart + mu) / width) ** 2)
+        exact = np.einsum("ij,ijk,ijl->kl", g / (width * np.sqrt(2 * np.pi)), both, both)
+        assert found == approx(exact, abs=1e-3 * np.abs(slow.power).max())
+
+
 @pytest.mark.parametrize("omega", [[1.5, 2.0], [1.0, 1.143], [0.9, 1.4, 1.1, 1.55]])
 def test_few_waves_drift_as_their_pairs_do(omega):
     """On the resonance, 0.143 rad/s, and off it: the force of one wave is steady, and no pair has a band."""
@@ -191,8 +206,10 @@ def test_two_axes_drift_as_each_would_along_its_own():
     own = SimpleNamespace(stiffness=C, damping=D, mass=M)
     turned = SimpleNamespace(stiffness=R @ C @ R.T, damping=R @ D @ R.T, mass=R @ M @ R.T)
     both, none = np.arange(2), afloat(np.zeros((2, 2)))
-    mean, std, _ = drift.moved(own, both, none, np.array([3e4, 1e4]), drift.Slow(mu, spectrum, False))
-    other, turned_std, _ = drift.moved(turned, both, none, R @ [3e4, 1e4], drift.Slow(mu, R @ spectrum @ R.T, False))
+    mean, std, _ = drift.moved(own, both, none, np.array([3e4, 1e4]), drift.SlowLoad(mu, spectrum, False))
+    other, turned_std, _ = drift.moved(
+        turned, both, none, R @ [3e4, 1e4], drift.SlowLoad(mu, R @ spectrum @ R.T, False)
+    )
     assert other == approx(R @ mean) and turned_std**2 == approx(np.diag(R @ np.diag(std**2) @ R.T), rel=1e-3)
 
 
@@ -204,14 +221,16 @@ def test_axes_without_a_load_of_their_own_follow():
     )  # fmt: skip
     mu, none = np.linspace(0, 1.0, 21), afloat(np.zeros((2, 2)))
     slow = np.exp(-3 * mu)[:, None, None] * np.array([[3e9]])
-    mean, std, _ = drift.moved(own, np.array([0]), none, np.array([3e3]), drift.Slow(mu, slow, False))
-    both = drift.moved(own, np.arange(2), none, np.array([3e3, 0.0]), drift.Slow(mu, slow * np.diag([1.0, 0.0]), False))
+    mean, std, _ = drift.moved(own, np.array([0]), none, np.array([3e3]), drift.SlowLoad(mu, slow, False))
+    both = drift.moved(
+        own, np.arange(2), none, np.array([3e3, 0.0]), drift.SlowLoad(mu, slow * np.diag([1.0, 0.0]), False)
+    )
     assert mean[0] == approx(both[0][0], rel=1e-9) and std[0] == approx(both[1][0], rel=1e-9)
     assert mean[0] > 1.5 * 3e3 / 2e4
 
 
 def test_what_nothing_holds_or_damps_has_no_drift():
-    none, slow = np.zeros((2, 2)), drift.Slow(np.arange(3.0), np.ones((3, 1, 1)), False)
+    none, slow = np.zeros((2, 2)), drift.SlowLoad(np.arange(3.0), np.ones((3, 1, 1)), False)
     model = SimpleNamespace(stiffness=none, damping=none, mass=np.eye(2))
     mean, std, unmet = drift.moved(model, np.array([0]), afloat(none), np.array([3.0]), slow)
     assert np.isnan([*mean, *std]).all() and "nothing holds" in unmet

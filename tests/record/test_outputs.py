@@ -17,6 +17,7 @@ from solver.record.sampling import Cuts
 from solver.record.spectra import MOMENTS, all_lines, crossings, moments
 from solver.record.steel import Spread, Steel
 from solver.run import simulate
+from solver.sea.realization import components
 from solver.statistics import STATISTICS
 from solver.structure import water
 from solver.structure.frame_model import assemble
@@ -68,6 +69,23 @@ def test_moments_of_a_record_are_those_of_its_spectrum():
         expected = np.sqrt(values["m2"] / values["m0"]) / (2 * np.pi)
         assert values["crossing_rate"] == approx(expected, rel=0.06)
     assert not any(name.endswith("_m0") for name in ran(bare_legs, duration=20.0).variables)
+
+
+def test_waves_of_known_phases_cross_as_often_as_their_sum_does():
+    """As a march counts, not as a Gaussian of their moments would; and of steel with moments as without."""
+    waves = components(amplitude=[0.01, 0.004, 0.006], omega=[1.0, 1.33, 2.2], phase=[0.0, 1.0, 2.0], heading=0.5)
+    item = replace(bare_legs()[0], sea=waves)
+    fields = {"method": "frequency", "froude_krylov": "linear", "duration": 1200.0}
+    told = [
+        simulate(replace(item, settings=replace(item.settings, outputs=outputs, **fields))).variables
+        for outputs in (("fibre_stress",), ("fibre_stress", "moments"))
+    ]
+    steel = [of["fibre_stress_crossing_rate"][1] for of in told]
+    assert steel[1] == approx(steel[0], abs=2 / 1200)
+    t = np.arange(0.0, 1200.0, 0.02)
+    eta = sum(a * np.cos(w * t - e) for a, w, e in zip((0.01, 0.004, 0.006), (1.0, 1.33, 2.2), (0, 1, 2), strict=True))
+    count = np.count_nonzero((eta[1:] >= 0) & (eta[:-1] < 0)) / 1200
+    assert told[1]["wave_elevation_crossing_rate"][1] == approx(count, abs=3 / 1200)
 
 
 def test_moments_of_a_harmonic_are_its_own():

@@ -8,6 +8,7 @@ import pytest
 from solver.record.channels import Channels
 from solver.record.settling import Settling
 from solver.run import simulate
+from solver.sea.realization import components
 
 PERIOD = 2 * np.pi / 1.2
 
@@ -65,6 +66,14 @@ def test_legs_are_judged_without_floats_too(buan):
         stress = 1e3 * swinging(share)(t)
         settling.add(t, {"bottom_stress": stress, "top_displacement": 1e-9 * np.stack([swinging(0.0)(t)] * 3, axis=2)})
         assert [note.partition(",")[0] for note in settling.notes(channels)] == expected
+
+
+def test_a_wave_beside_one_of_no_height_is_alone(buan):
+    one = in_a_wave(buan, discard=0.0)
+    beside = components(amplitude=[0.5, 0.0], omega=[one.sea.omega[0], 2 * one.sea.omega[0]], phase=[0.0, 0.0])
+    both = components(amplitude=[0.5, 0.1], omega=beside.omega, phase=[0.0, 0.0])
+    parts = [Settling(replace(one, sea=sea)).parts for sea in (one.sea, beside, both)]
+    assert parts[0] == parts[1] != [] and parts[2] == []
 
 
 @pytest.mark.slow
