@@ -98,7 +98,7 @@ def test_a_band_without_waves_has_no_response(method):
     settings = Settings(**LINEAR | {"method": method}, duration=600.0, discard=60.0, spectra=True)
     found = simulate(replace(bare_legs()[0], sea=waves, settings=settings)).variables
     at = bands(waves.omega, 600.0)
-    near = np.abs(at.omega[:, None] - waves.omega[:3]).min(axis=1) <= 3 * at.width
+    near = np.abs(at.omega[:, None] - waves.omega[waves.amplitude != 0]).min(axis=1) <= 3 * at.width
     assert 20 < near.sum() < 40
     for part in ("response", "response_phase", "coherence"):
         assert np.array_equal(np.isfinite(found[f"top_displacement_{part}"][1][0, 0]), near)
