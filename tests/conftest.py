@@ -4,7 +4,6 @@ import os
 import random
 import shutil
 import tempfile
-from dataclasses import replace
 from itertools import islice
 from types import SimpleNamespace
 
@@ -135,14 +134,14 @@ def regular(amplitude, omega):
 
 def scene(support="elastic", **changes):
     settings = {k: changes.pop(k) for k in list(changes) if k in Settings.__slots__}
-    base = Scene(
-        water=WATER,
-        sea=sea(),
-        floats=() if support == "elastic-no-floats" else floats(),
-        platform=None if support == "fixed" else platform(),
-        settings=Settings(**({"duration": 60.0, "discard": 20.0, "ramp": 20.0} | settings)),
-    )
-    return replace(base, **changes)
+    usual = {
+        "water": WATER,
+        "sea": sea(),
+        "floats": () if support == "elastic-no-floats" else floats(),
+        "platform": None if support == "fixed" else platform(),
+        "settings": Settings(**({"duration": 60.0, "discard": 20.0, "ramp": 20.0} | settings)),
+    }
+    return Scene(**(usual | changes))
 
 
 @pytest.fixture(scope="session")

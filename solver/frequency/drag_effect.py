@@ -40,6 +40,7 @@ OF_XI = np.exp(-0.5 * XI**2) / np.exp(-0.5 * XI**2).sum()
 WEIGHT = np.outer(OF_Z, OF_XI).ravel()
 LEAST = 1e-3  # of how far odd orders go: a fifth of a mode's part by drag counts as that at least
 COS = np.cos(gaussian.PHASE)
+_ORDERS = np.arange(1, 3)[:, None, None]  # by how many mean frequencies second and third ones are above a wave's
 
 
 class Effect(NamedTuple):
@@ -113,7 +114,7 @@ def drag_effect(
     std = of_tops[:, STATISTICS.index("std")]
     moved = std > FAINT * std.max()
     tops, of_tops, std = tops[:, moved], of_tops[moved], std[moved]
-    gains = _gains(case, np.diag(response.damping)[:nm])
+    gains = _gains(case, np.diag(response.damping)[:nm], push)
     p = gains[0] * push
     driven = p @ tops
     if not driven.any():
@@ -148,19 +149,30 @@ def drag_effect(
     return Effect(error, extremes)
 
 
-def _gains(case: Case, drag: np.ndarray) -> np.ndarray:
-    """(3, nw, nm): of the frame's modes to forces at the waves, and to second and third orders where no line is.
+def _gains(case: Case, drag: np.ndarray, push: np.ndarray) -> np.ndarray:
+    """(3, nw, nm): of the frame's modes to forces at the waves, push (nw, nm), and to second and third orders where no
+    line is.
 
-    That is at twice and three times a wave's frequency, or at as much more as the mean one and twice that where no
-    wave is as fast. Of the drag's damping (nm,) a mode's linear force has its part already.
+    That is at twice and three times a wave's frequency; of a sea at as much more as the mean one and twice that, as
+    large as in the mean over sums of two and three of all frequencies, where no wave is as fast: a few lines beside a
+    resonance meet it by chance. Of the drag's damping (nm,) a mode's linear force has its part already.
     """
-    w, own, ratio = case.waves[:, None], case.system.structure.omega, case.system.structure.damping
-    weight = np.abs(case.amplitude[: case.waves.size]) ** 2
-    at = w + np.arange(3)[:, None, None] * (case.waves @ weight / weight.sum())
-    damping = 2 * ratio * own + drag * np.array([0, 1, 1])[:, None, None]
-    gain = 1 / (own**2 - 1j * damping * at - at**2)
-    gain[1:] *= at[1:] > case.waves.max()
-    return gain
+    waves, own, ratio = case.waves, case.system.structure.omega, case.system.structure.damping
+    power = np.sum(np.abs(push / own**2) ** 2, axis=1)
+    power /= power.sum()
+
+    def gain(at: np.ndarray, besides: np.ndarray) -> np.ndarray:
+        return np.asarray(1 / (own**2 - 1j * (2 * ratio * own + besides) * at - at**2))
+
+    linear, higher = gain(waves[:, None], 0 * drag), gain(waves[:, None] + _ORDERS * (waves @ power), drag)
+    if waves.size > 1:
+        step = waves.max() / BINS
+        each = np.fft.rfft(np.bincount(np.rint(waves / step).astype(int), power), 4 * BINS)
+        sums = np.fft.irfft(each ** np.array([[2], [3]]), 4 * BINS)
+        above = np.arange(BINS + 1, 3 * BINS + 1)
+        mean = sums[:, above] @ np.abs(gain(step * above[:, None], drag)) ** 2
+        higher *= (np.sqrt(mean.clip(min=0.0)))[:, None] / np.abs(higher)
+    return np.concatenate([linear[None], higher])
 
 
 def _overtones(case: Case, g: _Law, gains: np.ndarray, push: np.ndarray, Q: np.ndarray) -> np.ndarray:

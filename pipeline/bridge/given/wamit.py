@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 ZERO, INFINITE = -1.0, 0.0  # periods that stand for zero and for infinite frequency
 OUT_RADIATION = r"ADDED-MASS(?: AND DAMPING)? COEFFICIENTS[^\n]*\n[^\n]*\n(.*?)(?:\n\s*\n\s*\n|\Z)"  # in .out
+EXCITING = "EXCITING FORCES AND MOMENTS"  # of a title in .out
 FORCES = (".3", ".2")  # by diffraction, by Haskind's relation
 
 
@@ -220,13 +221,16 @@ def _period(line: str) -> float:
 
 def _out_forces(part: str, period: float) -> list[list[float]]:
     """Rows as of .3 of the forces by diffraction, else of those by Haskind's relation."""
-    for title in ("DIFFRACTION EXCITING FORCES AND MOMENTS", "HASKIND EXCITING FORCES AND MOMENTS"):
-        block = part.partition(title)[2]
+    for title in ("DIFFRACTION", "HASKIND"):
+        block = part.partition(f"{title} {EXCITING}")[2]
         if not block:
             continue
         rows = []
-        for piece in block.split("Wave Heading (deg) :")[1:]:
+        # RAOs, drift forces and others follow by the same headings, in rows of the same form.
+        for piece in re.split(EXCITING, block)[0].split("Wave Heading (deg) :")[1:]:
             beta = float(piece.split()[0])
+            if not re.search(r"Mod\[X", piece):
+                break
             for line in piece.splitlines()[1:]:
                 words = line.split()
                 if len(words) == 3 and words[0].lstrip("-").isdigit():
@@ -236,7 +240,7 @@ def _out_forces(part: str, period: float) -> list[list[float]]:
                         raise ValueError(f"period {period:g} s, force of motion {i} is not finite: {line.strip()}")
                     at = size * np.exp(1j * np.radians(phase))
                     rows.append([period, beta, i, size, phase, at.real, at.imag])
-                elif rows and line.strip().isupper():
+                elif "Mod[" not in line and any(map(str.isalpha, line)):
                     break
         return rows
     return []

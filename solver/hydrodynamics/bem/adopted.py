@@ -87,7 +87,7 @@ def adopted(
         omega=omega,
         **curves,
         froude_krylov=expected[:, index],
-        settings=MappingProxyType({"method": f"from {given.name}"} | notes | _lacking(expected, told)),
+        settings=MappingProxyType({"method": f"from {given.name}"} | notes | _lacking(floats, each, expected, told)),
         **at_rest(hulls, centres, dofs, sea),
     )
     # With A and B as lopsided as they are told: half of what is between their halves.
@@ -115,12 +115,31 @@ def _incident_misfit(six: Given, floats: Floats, expected: np.ndarray) -> np.nda
     return expected * np.repeat(share, 6)
 
 
-def _lacking(expected: np.ndarray, told: np.ndarray) -> dict[str, Any]:
-    """A setting with the columns of forces, along motions that joints hold, which waves push and a file lacks."""
+def _lacking(floats: Floats, needed: Sequence[Sequence[str]], expected: np.ndarray, told: np.ndarray) -> dict[str, Any]:
+    """A setting with the columns of forces, along motions that joints hold, which waves push and a file lacks.
+
+    Across the waves the incident one pushes nothing, but what is scattered and radiated does unless all is its own
+    mirror image there.
+    """
     size = np.abs(expected).max(axis=0).reshape(-1, 6)
-    pushed = (size > PUSHED * size[:, :3].max(axis=1, keepdims=True)) & (np.arange(6) < 3)
+    pushed = size > PUSHED * size[:, :3].max(axis=1, keepdims=True)
+    pushed[:, 0] |= not _mirrored(floats, needed, 0)
+    pushed[:, 1] |= not _mirrored(floats, needed, 1)
+    pushed &= np.arange(6) < 3
     lacking = np.flatnonzero(pushed.ravel() & ~told)
     return {LACKING: " ".join(map(str, lacking.tolist()))} if lacking.size else {}
+
+
+def _mirrored(floats: Floats, needed: Sequence[Sequence[str]], axis: int) -> bool:
+    """Whether hulls, waves and the motions that there are have the plane across x (0) or y (1) as a mirror."""
+    along = (np.cos, np.sin)[axis](floats.sea.heading)
+    others = {DOFS[axis], DOFS[4 - axis], "yaw"}  # the mirror turns these about
+    return bool(
+        abs(along) < TOLD
+        and np.ptp(floats.centres[:, axis]) == 0
+        and all(hull.symmetry[axis] for hull in floats.hulls)
+        and not any(others & set(dofs) for dofs in needed)
+    )
 
 
 def _curves(six: Given, expected: np.ndarray, index: np.ndarray, told: np.ndarray) -> dict[str, Any]:
