@@ -282,7 +282,7 @@ def _along_waves(
 
 def of_motions(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
     """Sentences for motions, of which `tables` has statistics, that are too large for some part of a model."""
-    yield from met(scene, tables)
+    yield from met(scene, axes, tables)
     yield from swung(scene, axes, tables)
     yield from strayed(scene, axes, tables)
     yield from shoved(scene, axes, tables)
@@ -322,13 +322,18 @@ def shoved(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) 
                 )
 
 
-def met(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """A sentence for floats that meet at angles between the extremes of a run, of which `tables` has statistics."""
-    if (angles := tables.get("rotation")) is not None:
-        high, low = (angles[:, STATISTICS.index(name)] for name in ("max", "min"))
-        hinged = {f.name: inside(low[b], high[b]) for b, f in enumerate(scene.floats) if f.motion == ("hinge",)}
-        for a, b, at in scene.meetings(hinged):
-            yield f"floats.{a} and floats.{b} meet at {at} rad, angles that each of them passed; no load tells of it"
+def met(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for floats that meet at places between the extremes of a run, of which `tables` has statistics."""
+    if not axes:
+        return
+    high, low = (of_joints(tables)[..., STATISTICS.index(name)] for name in ("max", "min"))
+    strokes = {}
+    for b, f in enumerate(scene.floats):
+        if len(f.motion) == 1:
+            j = axes.index(f.motion[0])
+            strokes[f.name] = inside(f.jointed, low[b, j], high[b, j])
+    for a, b_, at in scene.meetings(strokes):
+        yield f"floats.{a} and floats.{b_} meet at {at}, where each of them came; no load tells of it"
 
 
 def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:

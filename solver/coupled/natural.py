@@ -89,7 +89,8 @@ def _system_modes(
         lightest = linalg.eigh(model.mass, subset_by_index=(0, 0))[1][:, 0]
         name = _name(joints, model.length, lightest, support)
         text = f"the mass that moves in {name}, added mass at infinite frequency included, is not above zero"
-        raise SimulationFailed(f"{text}: are coefficients and inertia those of these floats?") from None
+        asked = "are coefficients and inertia those of these floats, and is no hull just under the surface, where water"
+        raise SimulationFailed(f"{text}: {asked} rings over its top?") from None
     added = _added(model.active @ basis, model.added_mass, h)
     low, high = (h.omega[0], h.omega[-1]) if h is not None else (0.0, 0.0)
     # Many shapes have the added mass of the last frequency known.

@@ -10,7 +10,7 @@ from solver.errors import InputError, refuse
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.standing import stands
-from solver.hydrodynamics.hull.swing import Hinged, Stroke
+from solver.hydrodynamics.hull.swing import Jointed, Stroke
 from solver.mooring import SIX, AxisMooring, Line, Mooring, line_loads, none
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.quantities import PerAxis, Quantity, out_of_range
@@ -241,14 +241,16 @@ class Float:
         return np.array([name not in DOFS[:3] for name in self.motion], bool)
 
     @property
-    def hinged(self) -> Hinged:
-        """Its hull and hinge."""
-        return Hinged(self.hull, tuple(self.hinge), tuple(self.arm), tuple(self.direction("hinge").tolist()))
+    def jointed(self) -> Jointed:
+        """Its hull and the axis of its joint, which has one, or of what carries another."""
+        axis = self.motion[0] if len(self.motion) == 1 else "heave"
+        direction = tuple(self.direction(axis).tolist())
+        return Jointed(self.hull, tuple(self.hinge), tuple(self.arm), direction, axis in DOFS[:3])
 
     @property
     def stroke(self) -> Stroke:
-        """Of a hinge between its end stops [rad]; none without."""
-        if self.motion != ("hinge",) or self.end_stops is None:
+        """Of a joint of one axis between its end stops [rad or m]; none without."""
+        if len(self.motion) != 1 or self.end_stops is None:
             return 0.0, 0.0
         low, high = (float(self.per_axis(f"end_stops.{end}")[0]) for end in ("lower", "upper"))
         return low, high

@@ -66,9 +66,10 @@ class Scene:
                 limit = f"must be > {reach(a.hull) + reach(b.hull):g} m, or their surfaces apart, which touch"
                 yield InputError(key, f"{gap:g} m", limit)
         for f in (f for f in self.floats if any(f.stroke)):
-            for first, second, angles in self.meetings({f.name: f.stroke}):
-                limit = f"must keep floats.{first} and floats.{second} apart, which meet at {angles} rad"
-                yield InputError(f"floats.{f.name}.end_stops", "{:g} to {:g} rad".format(*f.stroke), limit)
+            for first, second, places in self.meetings({f.name: f.stroke}):
+                limit = f"must keep floats.{first} and floats.{second} apart, which meet at {places}"
+                unit = "m" if f.jointed.slides else "rad"
+                yield InputError(f"floats.{f.name}.end_stops", "{:g} to {:g}".format(*f.stroke) + f" {unit}", limit)
         yield from self._seabed_problems()
         yield from self._output_problems()
         yield from self._drift_problems()
@@ -251,18 +252,20 @@ class Scene:
         return any(len(gaps(*group, width, width / 4)) for group in hulls)
 
     def meetings(self, strokes: Mapping[str, Stroke]) -> Iterator[tuple[str, str, str]]:
-        """Names of floats whose hulls meet as some turn on their hinges within `strokes` [rad], and at which angles.
+        """Names of floats whose hulls meet as joints of one axis move within `strokes` [rad or m], and at which places.
 
-        Of those on one support, or of which one carries the other: of others the hinges do not tell how near they get.
+        Of those on one support, or of which one carries the other: of others the joints do not tell how near they get.
         """
         for a, b in (pair for group in self.sharing for pair in combinations(group, 2)):
             # What carries the other takes it along.
             first = strokes.get(a.name, (0.0, 0.0)) if b.on != a.name else (0.0, 0.0)
             second = strokes.get(b.name, (0.0, 0.0)) if a.on != b.name else (0.0, 0.0)
             if any((*first, *second)) and (b.on in (a.on, a.name) or a.on == b.name):
-                at = meeting(a.hinged, b.hinged, (first, second))
+                at = meeting(a.jointed, b.jointed, (first, second))
                 if at is not None:
-                    yield a.name, b.name, "{:+.3g} and {:+.3g}".format(*at)
+                    units = ["m" if item.jointed.slides else "rad" for item in (a, b)]
+                    each = [f"{place:+.3g} {unit}" for place, unit in zip(at, units, strict=True)]
+                    yield a.name, b.name, " and ".join(each)
 
     @property
     def carriers(self) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""Whether hinged floats meet as they turn: between their end stops, or as far as a run took them."""
+"""Whether floats on joints of one axis meet as they turn or slide: between end stops, or as far as a run took them."""
 
 from functools import lru_cache
 from itertools import product
@@ -12,6 +12,7 @@ from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 
 STEP = 0.1  # between the angles of a stroke that are looked at, besides its ends [rad]
+SLID, FINE = 8, 100  # places on the way of what slides, and shares of its hull's size that this way's ends are told to
 AROUND = 24  # panels round a hull of revolution
 ALONG = 6  # and along each segment of its meridian
 ACROSS = 12  # points across the smaller hull
@@ -21,49 +22,58 @@ Vector = tuple[float, ...]
 Stroke = tuple[float, float]
 
 
-class Hinged(NamedTuple):
-    """A hull and its hinge."""
+class Jointed(NamedTuple):
+    """A hull and the one axis of its joint."""
 
     hull: Hull
     hinge: Vector  # (3,) [m]
     arm: Vector  # (3,) [m], from there to the reference point at rest
     axis: Vector  # (3,) unit vector
+    slides: bool = False  # along it, in place of turning about it
 
 
 @lru_cache(maxsize=256)
-def meeting(a: Hinged, b: Hinged, strokes: tuple[Stroke, Stroke]) -> tuple[float, float] | None:
-    """Angles of both [rad] in their strokes at which the hulls meet, the least of those looked at.
+def meeting(a: Jointed, b: Jointed, strokes: tuple[Stroke, Stroke]) -> tuple[float, float] | None:
+    """Positions of both [rad or m] in their strokes at which the hulls meet, the least of those looked at.
 
     None where hulls meet at rest, which may be meant so, or where no point can come as far as they are apart.
     """
     way = sum(max(abs(low), abs(high)) * _reach(item) for item, (low, high) in zip((a, b), strokes, strict=True))
     if way <= _clear(_box(a, 0.0), _box(b, 0.0)) or way <= _gap(a, b):
         return None
-    poses = sorted(product(_angles(strokes[0]), _angles(strokes[1])), key=lambda pose: max(abs(pose[0]), abs(pose[1])))
+    each = (_places(item, stroke) for item, stroke in zip((a, b), strokes, strict=True))
+    first, second = each
+    poses = sorted(product(first, second), key=lambda pose: max(abs(pose[0]), abs(pose[1])))
     at = next((pose for pose in poses if _overlap(a, b, pose)), None)
     return at if at is not None and any(at) else None
 
 
-def inside(low: float, high: float) -> Stroke:
-    """A stroke to whole STEPs, so that much the same ones are looked at once; half a turn each way is all there is."""
-    low, high = (float(np.trunc(np.clip(end, -np.pi, np.pi) / STEP)) for end in (low, high))
-    return STEP * low, STEP * high
+def inside(item: Jointed, low: float, high: float) -> Stroke:
+    """A stroke to whole steps, so that much the same ones are looked at once; half a turn each way is all there is."""
+    step, most = (_extent(item.hull) / FINE, np.inf) if item.slides else (STEP, np.pi)
+    low, high = (float(np.trunc(np.clip(end, -most, most) / step)) for end in (low, high))
+    return step * low, step * high
 
 
-def _angles(stroke: Stroke) -> set[float]:
-    """Of a stroke [rad], those that others look at, too, the same numbers."""
+def _places(item: Jointed, stroke: Stroke) -> set[float]:
+    """In a stroke [rad or m]; angles are those that others look at, too, the same numbers."""
+    if item.slides:
+        return {0.0, *np.linspace(*stroke, SLID).tolist()}
     low, high = (int(np.trunc(end / STEP)) for end in stroke)
     return {0.0, *stroke, *(STEP * n for n in range(low, high + 1))}
 
 
 @lru_cache(maxsize=64)
-def _reach(item: Hinged) -> float:
-    """Distance of the hull's farthest point from the hinge [m], which no point's way exceeds for an angle of one."""
+def _reach(item: Jointed) -> float:
+    """Distance of the hull's farthest point from the hinge [m], which no point's way exceeds for an angle of one; of
+    what slides 1."""
+    if item.slides:
+        return 1.0
     return float(np.linalg.norm(_panels(item.hull) + np.array(item.arm), axis=-1).max())
 
 
 @lru_cache(maxsize=256)
-def _gap(a: Hinged, b: Hinged) -> float:
+def _gap(a: Jointed, b: Jointed) -> float:
     """Distance of the hulls at rest [m], at least; 0 where that is less than what lies between the points on them."""
     size = _size(a.hull, b.hull)
     points, others = (_points(item.hull, size) + np.add(item.hinge, item.arm) for item in (a, b))
@@ -76,14 +86,14 @@ def _clear(box: np.ndarray, other: np.ndarray) -> float:
 
 
 @lru_cache(maxsize=4096)
-def _box(item: Hinged, angle: float) -> np.ndarray:
-    """Corners (2, 3) [m] of the box about a hull turned by an angle."""
+def _box(item: Jointed, angle: float) -> np.ndarray:
+    """Corners (2, 3) [m] of the box about a hull turned by an angle, or shifted by as much."""
     points = _posed(item, _panels(item.hull), angle).reshape(-1, 3)
     return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
 @lru_cache(maxsize=4096)
-def _overlap(a: Hinged, b: Hinged, pose: tuple[float, float]) -> bool:
+def _overlap(a: Jointed, b: Jointed, pose: tuple[float, float]) -> bool:
     """Whether a point of one hull is inside the other."""
     box, other_box = _box(a, pose[0]), _box(b, pose[1])
     if np.any(box[0] >= other_box[1]) or np.any(other_box[0] >= box[1]):
@@ -97,16 +107,24 @@ def _overlap(a: Hinged, b: Hinged, pose: tuple[float, float]) -> bool:
     return False
 
 
-def _posed(item: Hinged, points: np.ndarray, angle: float) -> np.ndarray:
-    """Points (…, 3) [m] of a hull, turned by an angle about its hinge: by Rodrigues' formula."""
+def _posed(item: Jointed, points: np.ndarray, angle: float) -> np.ndarray:
+    """Points (…, 3) [m] of a hull, turned by an angle about its hinge: by Rodrigues' formula; or shifted by as much."""
     axis, lever = np.array(item.axis), points + np.array(item.arm)
+    if item.slides:
+        return lever + angle * axis + np.array(item.hinge)
     along = (lever @ axis)[..., None] * axis
     turned = along + np.cos(angle) * (lever - along) + np.sin(angle) * np.cross(axis, lever)
     return turned + np.array(item.hinge)
 
 
 def _size(*hulls: Hull) -> float:
-    return min(float(np.ptp(_panels(hull).reshape(-1, 3), axis=0).max()) for hull in hulls) / ACROSS
+    return min(map(_extent, hulls)) / ACROSS
+
+
+@lru_cache(maxsize=64)
+def _extent(hull: Hull) -> float:
+    """Its longest side [m] along x, y or z."""
+    return float(np.ptp(_panels(hull).reshape(-1, 3), axis=0).max())
 
 
 @lru_cache(maxsize=64)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem import agreement, bem, radiated
-from solver.hydrodynamics.bem.adopted import _between, adopted
+from solver.hydrodynamics.bem.adopted import _between, _lacking, adopted
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, unjudged
 from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import Given, turned
@@ -792,6 +793,29 @@ def test_a_force_on_a_joint_that_a_file_lacks_is_no_number(incident):
     told_of = "coefficients: the file lacks surge of front, so its hinge_force along x is not known"
     assert told_of in records[1].attrs["warnings"]
     assert records[1].variables["motion"][1] == pytest.approx(records[0].variables["motion"][1])
+
+
+def test_what_pushes_across_the_waves_where_no_mirror_is_is_lacking():
+    """No incident wave does; a body that is its own image, in waves along the plane, is pushed by nothing."""
+
+    def lacking(heading, needed, symmetry=(True, True), places=((0.0, 0.0), (9.0, 0.0))):
+        centres = np.array([(*at, 0.0) for at in places])
+        hull = SimpleNamespace(symmetry=symmetry)
+        sea = SimpleNamespace(heading=heading)
+        expected = np.ones((3, 12)) * np.tile([np.cos(heading), np.sin(heading), 1, 0, 0, 0], 2)
+        expected[np.abs(expected) < 1e-12] = 0.0
+        floats = Floats((hull, hull), centres, centres, ("a", "b"), sea)
+        told = np.tile(np.arange(6) == 2, 2)
+        return _lacking(floats, needed, expected, told).get("lacking", "")
+
+    heave = [("heave",)] * 2
+    assert lacking(0.0, heave) == "0 6"
+    assert lacking(np.pi / 2, heave) == "0 1 6 7"  # the bodies stand along x: one is not the other's image
+    assert lacking(np.pi / 2, heave, places=((0.0, 0.0), (0.0, 9.0))) == "1 7"
+    assert lacking(0.0, heave, symmetry=(True, False)) == "0 1 6 7"
+    assert lacking(0.0, heave, places=((0.0, 0.0), (9.0, 2.0))) == "0 1 6 7"
+    assert lacking(0.0, [("heave",), ("roll",)]) == "0 1 6 7"
+    assert lacking(0.0, [("surge", "heave", "pitch")] * 2) == "0 6"
 
 
 def test_what_a_files_mesh_does_to_a_force_that_a_joint_bears_is_in_the_error():

@@ -220,8 +220,11 @@ def on_own_axes(h, angles):
     return replace(h, **matrices, **{n: getattr(h, n) @ turn.T for n in ("diffraction", "froude_krylov")})
 
 
-def wamit_out(path, h, L=2.0, water="", angles=(0.0, 0.0), kept=range(12), restoring=True):
-    """The printed output for a length scale L, with the bodies' places and angles [deg]; phases have decimals here."""
+def wamit_out(path, h, L=2.0, water="", angles=(0.0, 0.0), kept=range(12), restoring=True, more=()):
+    """The printed output for a length scale L, with the bodies' places and angles [deg]; phases have decimals here.
+
+    more: lines after each period's exciting forces.
+    """
     lines = [f" Gravity: {h.gravity}   Length scale: {L}", f" Water depth: {h.depth}   {water}"]
     for (x, y, z), angle in zip(h.centres, angles, strict=True):
         lines.append(f" XBODY = {x} YBODY = {y} ZBODY = {z} PHIBODY = {angle}")
@@ -239,6 +242,7 @@ def wamit_out(path, h, L=2.0, water="", angles=(0.0, 0.0), kept=range(12), resto
         lines += ["", "", "", "    DIFFRACTION EXCITING FORCES AND MOMENTS", "", "  Wave Heading (deg) :  0", ""]
         lines += ["   I   Mod[Xh(I)]   Pha[Xh(I)]", ""]
         lines += ["  ".join(row[2:5]) for row in words[1] if row[0] == period]
+        lines += more
     path.write_text("\n".join(lines))
 
 
@@ -257,6 +261,25 @@ def close(given, h, *, rel):
         theirs = theirs if name == "added_mass_inf" else theirs[order]
         theirs = theirs[:, -1:] if name == "excitation" else theirs
         assert np.abs(theirs - value).max() <= rel * np.abs(value).max(), name
+
+
+def block(title, columns):
+    """As WAMIT prints what it tells besides: by heading, in rows of the form that exciting forces have."""
+    heading = ["", "  Wave Heading (deg) :  0", "", f"   I   Mod[{columns}]   Pha[{columns}]", ""]
+    return ["", "", "", f"    {title}", *heading, *(f"  {i}  7.77E-01  {20 * i}" for i in range(1, 7))]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        block("RESPONSE AMPLITUDE OPERATORS", "RAO(I)"),
+        block("SURGE, SWAY & YAW DRIFT FORCES (Momentum Conservation)", "F(I)"),
+        block("HASKIND EXCITING FORCES AND MOMENTS", "Xh(I)"),
+    ],
+)
+def test_what_wamit_prints_after_the_exciting_forces_is_none_of_them(ours, tmp_path, more):
+    wamit_out(tmp_path / "pair.out", ours, more=more)
+    close(reading.read(attached(tmp_path / "pair.out"), RHO, G), ours, rel=1e-6)
 
 
 def test_every_format_reads_back_what_was_written(ours, tmp_path):
