@@ -150,7 +150,7 @@ def test_a_ring_that_runs_onto_its_spars_plate_is_told():
         inertia=(1e6,) * 3, hinge=(0.0, 0.0, 0.0), motion=("surge", "heave", "pitch"),
     )  # fmt: skip
     collar = Float(
-        name="ring", on="spar", hull=ring([(6.0, -3.0), (6.0, 2.0), (2.0, 2.0), (2.0, -3.0)]), mass=1e5,
+        name="ring", on="spar", hull=ring(((6.0, -3.0), (6.0, 2.0), (2.0, 2.0), (2.0, -3.0))), mass=1e5,
         inertia=(1e6,) * 3, hinge=(0.0, 0.0, 0.0), motion=("heave",),
     )  # fmt: skip
     scene, axes = awkward.scene([spar, collar]), ("surge", "heave", "pitch")
