@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from solver import limits
-from solver.balance import OUT, TONNE, heaved, held, imbalance
+from solver.balance import FLUSH, OUT, TONNE, heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_pulls, odd_lines
@@ -67,6 +67,7 @@ def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ..
     sentences += [
         *_pushed(scene, joints),
         *_drifting(scene),
+        *_lidded(scene),
         *_too_short(scene),
         *_too_steep(scene),
         *overdamped(scene),
@@ -223,6 +224,16 @@ def _pushed(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
             f"floats.{name}.end_stops: {lower[j]:+g} to {upper[j]:+g} {unit_along(axis)} of {axis} leave out its"
             f" rest, 0: a stop pushes it away{to} before the run begins"
         )
+
+
+def _lidded(scene: Scene) -> Iterator[str]:
+    """A sentence for each hull that ends at still water, where pressure is taken up to the waves' surface."""
+    for f, nonlinear in zip(scene.floats, scene.nonlinear, strict=True):
+        if nonlinear and f.hull.closed and abs(f.hull.freeboard) <= FLUSH * f.hull.draft:
+            yield (
+                f"floats.{f.name}.hull ends at still water: waves that rise go over its top; a mesh of the wetted part"
+                ' alone needs what is above for body-nonlinear pressure, or froude_krylov = "linear"'
+            )
 
 
 def _drifting(scene: Scene) -> Iterator[str]:

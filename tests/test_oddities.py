@@ -14,12 +14,12 @@ from solver.mooring import Line
 from solver.oddities import beyond_tables, overdamped, shoved, snapped, warnings
 from solver.power_takeoff import PtoEfficiency, PtoTable
 from solver.run import simulate
-from solver.scene import EndStops
+from solver.scene import EndStops, Float
 from solver.sea.current import Current, CurrentSpeed
 from solver.sea.field import wave_field
 from solver.sea.realization import components, regular
 from solver.statistics import STATISTICS
-from tests.awkward import bare_legs, flap, soft_mooring, unequal_legs
+from tests.awkward import bare_legs, flap, prism, scene, soft_mooring, unequal_legs
 from tests.record.test_slow import soft
 from tests.test_balance import WHOLE, ball, buoy
 
@@ -328,3 +328,22 @@ def test_a_long_hull_may_turn_about_its_length():
     spar = Revolution.vertical_cylinder(radius=1.0, draft=95.0, freeboard=5.0)
     item = buoy(95e3 * np.pi, hull=spar, motion=("yaw",), inertia=(2.5e8, 2.5e8, 1.5e5))
     assert not any("gyration" in text for text in warnings(item))
+
+
+@pytest.mark.parametrize(
+    ("top", "pressure", "told"),
+    [
+        (0.0, "body-nonlinear", True),
+        (0.0, "linear", False),
+        (0.5, "body-nonlinear", False),
+        (-0.4, "body-nonlinear", False),
+    ],
+)
+def test_a_hull_that_ends_at_still_water_is_told_where_waves_go_over_it(top, pressure, told):
+    hull = prism([(-1.0, -2.0), (1.0, -2.0), (1.0, top), (-1.0, top)], 2.0)
+    item = Float(
+        name="lid", hull=hull, mass=1025 * hull.volume, inertia=(2e3,) * 3, hinge=(0, 0, 0.0), motion=("heave",),
+        stiffness=1e5,
+    )  # fmt: skip
+    words = warnings(scene([item], froude_krylov=pressure))
+    assert any("floats.lid.hull ends at still water" in text for text in words) == told
