@@ -190,3 +190,22 @@ def test_a_frame_that_swings_is_nearer_to_gaussian_than_its_drag(own, ratio):
     kept = drag_effect._followed(case, 0, 0.0, moved, moved, push, 3)
     assert kept * (35 / 3 - 3) == approx(exact, rel=0.45)
     assert kept > 0.92 or own < 8
+
+
+def test_higher_orders_meet_resonances_as_their_band_does():
+    """Of second and third order: a gain's mean square over sums of two and three of the waves' frequencies, equal shares
+    of the force, above the fastest; the same at each wave, whichever is beside the resonance."""
+    waves = np.sort(np.random.default_rng(5).uniform(0.5, 2.0, 9))
+    own, ratio, drag = np.array([2.9, 5.0]), np.array([0.03, 0.02]), np.array([0.1, 0.0])
+    frame = SimpleNamespace(omega=own, damping=ratio)
+    case = SimpleNamespace(waves=waves, system=SimpleNamespace(structure=frame))
+    linear, *higher = drag_effect._gains(case, drag, np.ones((9, 2)))
+
+    def gain(at, besides):
+        return 1 / (own**2 - 1j * (2 * ratio * own + besides) * at[..., None] - at[..., None] ** 2)
+
+    assert linear == approx(gain(waves, 0.0))
+    for order, found in zip((2, 3), higher, strict=True):
+        sums = np.sum(np.meshgrid(*[waves] * order), axis=0).ravel()
+        exact = np.sum(np.abs(gain(sums, drag)) ** 2 * (sums > waves.max())[:, None], axis=0) / sums.size
+        assert np.abs(found) ** 2 == approx(np.tile(exact, (9, 1)), rel=0.03)
