@@ -193,8 +193,8 @@ def test_a_frame_that_swings_is_nearer_to_gaussian_than_its_drag(own, ratio):
 
 
 def test_higher_orders_meet_resonances_as_their_band_does():
-    """Of second and third order: a gain's mean square over sums of two and three of the waves' frequencies, equal shares
-    of the force, above the fastest; the same at each wave, whichever is beside the resonance."""
+    """Of second and third order: a gain's mean square over sums of two and three of the waves' frequencies, equal
+    shares of the force, above the fastest; the same at each wave, whichever is beside the resonance."""
     waves = np.sort(np.random.default_rng(5).uniform(0.5, 2.0, 9))
     own, ratio, drag = np.array([2.9, 5.0]), np.array([0.03, 0.02]), np.array([0.1, 0.0])
     frame = SimpleNamespace(omega=own, damping=ratio)
