@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from pipeline.report.energy import OF, powers
 from pipeline.report.yearly import (
     BESIDE,
+    ERROR,
     LEVEL,
     Table,
     by_sea,
@@ -116,9 +117,7 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
                 continue
             at = {dim: int(place) for dim, place in mean.argmax(designs).items()}
             error = off(each, some)
-            # As of independent errors: those of one kind cancel in part, but nothing tells how much of them.
-            both = (error**2 + error.isel(at, drop=True) ** 2) ** 0.5
-            of = _Compared(mean, at, over_seas(each.isel(at, drop=True) - each, some), both)
+            of = _Compared(mean, at, over_seas(each.isel(at, drop=True) - each, some), _both(each, at, some))
             chosen = "any" if of.alike(designs) else ", ".join(_chosen(of))
             if (known := int(mean.notnull().sum())) < mean.size:
                 chosen += f" (of {known} among {mean.size})"
@@ -126,6 +125,18 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
             second = _next_best(of, scale) if _several(data) else ()
             power = marked(found.isel(at).values, error.isel(at), scale)
             yield label, chosen, *power, *second, counted(each.isel(at))
+
+
+def _both(each: xr.DataArray, at: Mapping[Hashable, int], some: xr.Dataset) -> xr.DataArray:
+    """What the difference from the best may be off by, as of independent errors: those of one kind cancel in part, but
+    nothing tells how much of them. Those of a record that is both designs', as in a storm that all survive alike, do.
+    """
+    best = each.isel(at, drop=True)
+    if ERROR not in each.coords:
+        return off(each, some)
+    differ = each != best
+    apart = (each.assign_coords({ERROR: of[ERROR].where(differ, 0.0)}) for of in (each, best))
+    return sum(off(one, some) ** 2 for one in apart) ** 0.5
 
 
 def _several(data: xr.Dataset) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, lanes
 from pipeline.report.report import Published
 from pipeline.report.yearly import prefix
+from pipeline.study.seas import height
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import axes as axes_of
 from pipeline.tasks.task import first_labels
@@ -110,10 +111,14 @@ class Results:
 
     @cached_property
     def sea(self) -> str:
-        """The sea state that the published numbers are for; otherwise the highest."""
+        """The sea state that the published numbers are for; otherwise the highest that designs are to work in."""
         named = [label for row in self.published for label in row.selection.get("sea_state", [])]
         known = [label for label in named if label in self.labels("sea_state")]
         heights = np.nan_to_num(self.numbers("Hs", "wave_height"))
+        if (survival := self.study.content.survival) is not None:
+            states = (self.study.content.sea_states[label] for label in self.labels("sea_state"))
+            stormy = np.array([height(state) > survival.Hs for state in states])
+            heights = np.where(stormy & ~stormy.all(), -1.0, heights)
         return str(max(known, key=known.count) if known else self.labels("sea_state")[int(heights.argmax())])
 
     def numbers(self, *names: str) -> np.ndarray:
@@ -242,3 +247,14 @@ def sea_states(results: Results) -> Figure | None:
         draw_sea_states(axes, results, quantity)
     key(figure, results, shown[-1].variable)
     return figure
+
+
+def told(results: Results, labels: Mapping[str, Any]) -> str:
+    """At which labels something is shown, where others are varied."""
+    words = "; ".join(f"{dim.replace('_', ' ')} {short(label)}" for dim, label in labels.items())
+    return f" Shown at {words}." if labels.keys() & set(results.varied) else ""
+
+
+def short(label: object) -> str:
+    """A word, or the digits of a number."""
+    return label if isinstance(label, str) else f"{label:g}"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pipeline.report import envelopes, sketch
 from pipeline.report.drawing import canvas
-from pipeline.report.figures import POWER, Results, draw_sea_states, key
+from pipeline.report.figures import POWER, Results, draw_sea_states, key, told
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,6 +29,11 @@ def overview(results: Results) -> Figure:
         axes.set_xlabel(axes.get_xlabel().replace(" ", "\n", 1))
     for axes in panels[2 : 1 + count]:
         axes.tick_params(labelleft=False)
+    if count:
+        held = told(results, results.first_of(envelopes.shown(results)[0][0]))
+        words = f"Sea state {results.sea}.{held}"
+        above = panels[1].text(0.0, 1.02, words, transform=panels[1].transAxes, fontsize="small")
+        above.set_in_layout(False)
     if power:
         draw_sea_states(panels[-1], results, results.power)
         key(figure, results, POWER)

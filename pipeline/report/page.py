@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Set
+from collections.abc import Callable, Iterator, Set
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from pipeline.report import arrays, best, energy, envelopes, figures, life, report, series, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, png, svg
-from pipeline.report.figures import Results
+from pipeline.report.figures import Results, short, told
 from pipeline.report.overview import TEXT, overview
 from pipeline.report.periods import natural_periods
 from pipeline.report.responses import dashes, responses
@@ -194,7 +194,7 @@ def drawn(results: Results) -> Iterator[dict[str, str]]:
 def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
     """Title, caption and maker of each figure, in order."""
     held, legs = _held(results), envelopes.shown(results)
-    of_legs = _told(results, results.first_of(legs[0][0])) if legs else ""
+    of_legs = told(results, results.first_of(legs[0][0])) if legs else ""
     count = len(results.labels("sea_state"))
     held += f" The first {len(results.seas)} of {count} sea states." if count > len(results.seas) else ""
     fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
@@ -280,22 +280,13 @@ def _of_seas(results: Results, dim: str) -> str:
 
 def _at(results: Results, *about: str) -> str:
     """At which labels of varied axes a figure is that is about these axes alone, for its title."""
-    words = [f"{dim.replace('_', ' ')} {_short(results.first[dim])}" for dim in results.varied if dim not in about]
+    words = [f"{dim.replace('_', ' ')} {short(results.first[dim])}" for dim in results.varied if dim not in about]
     return f" at {', '.join(words)}" if words else ""
 
 
 def _held(results: Results, *about: str) -> str:
     """At which labels something is that is about these axes alone, where others are varied."""
-    return _told(results, {dim: label for dim, label in results.first.items() if dim not in about})
-
-
-def _told(results: Results, labels: Mapping[str, Any]) -> str:
-    words = "; ".join(f"{dim.replace('_', ' ')} {_short(label)}" for dim, label in labels.items())
-    return f" Shown at {words}." if labels.keys() & set(results.varied) else ""
-
-
-def _short(label: object) -> str:
-    return label if isinstance(label, str) else f"{label:g}"
+    return told(results, {dim: label for dim, label in results.first.items() if dim not in about})
 
 
 def _scene(results: Results) -> Figure | None:

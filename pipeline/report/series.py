@@ -86,13 +86,13 @@ class Series:
         if (variable := variable + SERIES) not in record:
             return
         dims, values, _ = record[variable]
-        place = tuple(self._index(record[d], labels[d]) if d in labels else slice(None) for d in dims)
+        known = {d: [str(label) for label in record[d].values.tolist()] for d in dims if d in labels}
+        if any(str(labels[d]) not in those for d, those in known.items()):  # a float that is not in this sea's water
+            return
+        place = tuple(known[d].index(str(labels[d])) if d in known else slice(None) for d in dims)
         shown = np.asarray(values[place], float) / scale
         if shown.ndim == 1 and np.isfinite(shown).all():
             yield Line(name, np.asarray(record[ELAPSED].values, float), shown)
-
-    def _index(self, coordinate: Variable, label: object) -> int:
-        return [str(known) for known in coordinate.values.tolist()].index(str(label))
 
     @property
     def floats(self) -> list[str]:

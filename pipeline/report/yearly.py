@@ -30,6 +30,7 @@ RECORDS = {"base_seed", "components", "intervals"}  # of waves: other realizatio
 RUN = ("done", "stale", "failed")  # statuses of tasks that have run
 FAILED = "failed_realizations"
 ERROR = "record_error"  # what a task's number may be off by, in its unit
+ROWS = 60  # that a terminal shows of a table
 BESIDE = (FAILED, ERROR)  # coordinates that go with tasks' numbers
 MARK = " *"
 OFF = (
@@ -262,8 +263,10 @@ def show(table: Table, console: Console) -> None:
         return
     widths = [max(map(len, column)) for column in zip(table.header, *table.lines, strict=True)]
     console.print(table.title, style="bold")
-    for line in (table.header, *table.lines):
+    for line in (table.header, *table.lines[:ROWS]):
         columns = enumerate(zip(line, widths, strict=True))
         row = [word.ljust(n) if i < WORDS else word.rjust(n) for i, (word, n) in columns]
         console.print("  ".join(row), soft_wrap=True, highlight=False, markup=False)
+    if (more := len(table.lines) - ROWS) > 0:
+        console.print(f"  ... and {more:,} more, in report.html", highlight=False, markup=False)
     console.print(f"  {table.note}", soft_wrap=True, highlight=False, markup=False)

@@ -36,7 +36,11 @@ VARIABLES = {
     "preload": Meaning("{load}", "Constant load along the axis, given or found to hold the float: N, or N m"),
     "absorbed_power": Meaning("W", "Mechanical power absorbed by the power take-off"),
     "capture_width": Meaning("m", "Width of the waves' crests that carries the mean power which the float absorbs"),
-    "electrical_power": Meaning("W", "Electrical power of the power take-off, what its stiffness exchanges included"),
+    "electrical_power": Meaning(
+        "W",
+        "Electrical power of the power take-off, what its stiffness exchanges included; NaN of floats without"
+        " pto_efficiency, whose absorbed_power stands for it",
+    ),
     "pto_force": Meaning("{load}", "Load of the power take-off on the float along each free axis: N, or N m"),
     "pto_rate": Meaning("{axis} s-1", "Rate of each free axis, at which the power take-off works"),
     "pto_stroke": Meaning("{axis}", "Farthest way of an axis from one end to the other in the analysed time"),

@@ -254,3 +254,28 @@ def test_an_axis_along_which_the_best_does_not_matter_has_any_value():
     ):
         data = one.assign(absorbed_power=one.absorbed_power * xr.DataArray(power, labels, dims=[*labels]))
         assert {line[1] for line in rows(data)} == {told}
+
+
+def test_what_records_of_a_storm_are_off_by_is_of_no_design_that_has_the_same_ones():
+    """Two designs that differ in the mild sea by more than records there may be off, and meet the rough one alike."""
+    often = {"occurrence": ("sea_state", [3.0, 1.0])}
+    data = (
+        dataset([4.0, 2.0, 1.0], [9.0, 9.0, 9.0], **often)
+        .sel(platform="elastic", pto_damping=[1e5, 2e5])
+        .isel(seed=[0])
+    )
+    power = data["absorbed_power"].isel(statistic=0, drop=True)
+    rms = power.expand_dims(statistic=["rms"], axis=-1)
+    data["absorbed_power"] = (data["absorbed_power"].dims, data["absorbed_power"].values)
+    data = xr.concat(
+        [data, rms.to_dataset(name="absorbed_power")], dim="statistic", data_vars="minimal", coords="minimal"
+    )
+    errors = xr.DataArray([0.05, 0.9], dims="sea_state", coords={"sea_state": ["mild", "rough"]})
+    data["estimated_error"] = errors * xr.ones_like(power.isel(float=0, drop=True))
+    found = {line[0]: line[1] for line in rows(data)}
+    assert found["all seas"] == "pto_damping 100000 (an end)"
+    assert "undecided" not in found["all seas"] and found["rough"] == "any"
+    data["absorbed_power"] = data["absorbed_power"] + 1e-3 * (data["pto_damping"] - 1e5) * (
+        data["sea_state"] == "rough"
+    )
+    assert "undecided" in {line[0]: line[1] for line in rows(data)}["all seas"]

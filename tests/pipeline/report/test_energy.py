@@ -12,7 +12,7 @@ from scipy import stats
 
 from pipeline.report import best
 from pipeline.report.energy import ALL, energies, rows, table
-from pipeline.report.yearly import OFF, SURVIVORS, show
+from pipeline.report.yearly import OFF, ROWS, SURVIVORS, Table, show
 
 README = Path(__file__).parents[3] / "README.md"
 HOURS = 365.25 * 24
@@ -184,3 +184,15 @@ def test_the_sum_is_unknown_where_a_floats_number_is():
     data.absorbed_power[0, 0, 1] = np.nan
     data["status"][0] = "failed"
     assert np.isnan(energies(data).power.sel(estimate="value")[-1])
+
+
+def test_a_terminal_shows_the_first_rows_of_many():
+    """And says how many there are in the report."""
+    console = Console(width=100)
+    with console.capture() as drawn:
+        show(
+            Table("Energy", ("design", "float", "of"), [(str(i), "a", "b") for i in range(ROWS + 1200)], "note"),
+            console,
+        )
+    lines = drawn.get().splitlines()
+    assert len(lines) == ROWS + 4 and lines[-2].strip() == "... and 1,200 more, in report.html" and "note" in lines[-1]

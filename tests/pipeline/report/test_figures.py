@@ -649,3 +649,12 @@ def test_a_float_without_numbers_leaves_the_others_their_lines(results):
     upper, _ = figure.axes
     assert [line.get_label() for line in upper.lines] == ["front"]
     assert responses(replace(results, data=bare.assign(added).drop_vars("rotation_response"))) is None
+
+
+def test_figures_of_one_sea_are_of_one_that_designs_work_in(small, results):
+    """Not of a storm with other settings, unless every sea is one."""
+    assert results.sea == "rough"
+    text = small.read_text()
+    for Hs, sea in ((1.5, "calm"), (0.1, "rough")):
+        small.write_text(text + f'\n[survival]\nHs = {Hs}\n"floats.*.coulomb" = 1e9\n')
+        assert figures.Results(study=load(small), data=results.data).sea == sea

@@ -70,6 +70,17 @@ def test_every_figure_comes_of_what_is_there(results):
     assert series.entries(without) == []
 
 
+def test_a_float_that_is_lifted_out_of_the_sea_that_is_drawn_has_no_line(results):
+    """Whatever its place among the dataset's floats."""
+    data = results.data.reindex(float=["rear", "front"])
+    both = dataclasses.replace(results, data=data)
+    with plain():
+        shown = [title for title, _, make in series.entries(both) if make(both) is not None]
+    assert shown == ["Waves", "Response of the platform", "Hinge forces", "Rotation"]
+    lines = [list(series.Series(both).line("", "fixed", "rotation", float=name)) for name in ("rear", "front")]
+    assert [len(each) for each in lines] == [0, 1]
+
+
 def test_damaged_records_are_passed_over(results):
     for platform in PLATFORMS:
         folder = results.tasks / f"{platform}-0"  # comes before the whole one
