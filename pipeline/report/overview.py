@@ -31,9 +31,8 @@ def overview(results: Results) -> Figure:
         axes.tick_params(labelleft=False)
     if count:
         held = told(results, results.first_of(envelopes.shown(results)[0][0]))
-        words = f"Sea state {results.sea}.{held}"
-        above = panels[1].text(0.0, 1.02, words, transform=panels[1].transAxes, fontsize="small")
-        above.set_in_layout(False)
+        words = f"Along the legs: sea state {results.sea}.{held}"
+        figure.text(0.005, 0.01, words, fontsize="small").set_in_layout(False)
     if power:
         draw_sea_states(panels[-1], results, results.power)
         key(figure, results, POWER)
