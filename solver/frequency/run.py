@@ -43,6 +43,7 @@ from solver.scene import Scene, require_waves
 
 NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
 CYCLES = 50  # of which rainflow leaves half a cycle
+AT_ONCE = 200  # outputs whose sums over a record are held together
 LEFT_OUT = "displacement_envelope, stress_envelope"  # how the nodes' motions go together in time
 
 
@@ -155,8 +156,9 @@ def _crossed(of: gaussian.Process, lines: np.ndarray) -> tuple[np.ndarray, np.nd
     if of.begin is None or of.omega.size == 1:
         return rate, of_order
     again = CYCLES if of.omega.size - of.others == 1 else 1
-    sums = np.tile(np.concatenate([*of.blocks(flat)]), (again, 1))
-    counted = crossing_rate(sums, again * of.duration)
+    parts = np.array_split(flat, flat.shape[1] // AT_ONCE + 1, axis=1)
+    sums = (np.tile(np.concatenate([*of.blocks(part)]), (again, 1)) for part in parts)
+    counted = np.concatenate([crossing_rate(x, again * of.duration) for x in sums])
     return np.where(of.unwaved(flat), rate.ravel(), counted).reshape(rate.shape), of_order
 
 

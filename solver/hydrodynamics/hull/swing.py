@@ -12,7 +12,8 @@ from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 
 STEP = 0.1  # between the angles of a stroke that are looked at, besides its ends [rad]
-SLID, FINE = 8, 100  # places on the way of what slides, and shares of its hull's size that this way's ends are told to
+SLID = 8, 64  # places on the way of what slides, at least and at most: half its hull's size apart, or less
+FINE = 100  # shares of its hull's size that this way's ends are told to
 AROUND = 24  # panels round a hull of revolution
 ALONG = 6  # and along each segment of its meridian
 ACROSS = 12  # points across the smaller hull
@@ -58,7 +59,8 @@ def inside(item: Jointed, low: float, high: float) -> Stroke:
 def _places(item: Jointed, stroke: Stroke) -> set[float]:
     """In a stroke [rad or m]; angles are those that others look at, too, the same numbers."""
     if item.slides:
-        return {0.0, *np.linspace(*stroke, SLID).tolist()}
+        count = int(np.clip(2 * (stroke[1] - stroke[0]) / _extent(item.hull) + 2, *SLID))
+        return {0.0, *np.linspace(*stroke, count).tolist()}
     low, high = (int(np.trunc(end / STEP)) for end in stroke)
     return {0.0, *stroke, *(STEP * n for n in range(low, high + 1))}
 
