@@ -24,6 +24,8 @@ SLOW = 1e-6  # of differences by rates [m/s or rad/s]: quadratic damping is noth
 SETTLED = 1e-12  # last change of a coordinate [m or rad]
 UNHELD = 1e-6  # of the weights, that may be left out of balance
 ANGLES = 100  # at which it is looked whether a joint is pushed back to its rest
+ROUNDING = 2e-12  # of the weights, in loads that cancel
+SOFT = 1e-10  # of the largest stiffness over inertia: what less of it tells is rounding
 FALLS = -1e-4  # of the largest stiffness over inertia: below it a joint is pushed away
 STRIDES = 500  # of the search for the floats' rest, in the water or out of it
 ROUNDS = 100  # of floats and structure in turn; a float on a platform as soft as itself needs some twenty
@@ -183,7 +185,9 @@ def _downhill(body: Bodies, z: np.ndarray, nc: int) -> tuple[np.ndarray, np.ndar
     mass_matrix(body._replace(added_mass=np.zeros_like(body.added_mass)), motion, M)
     size = np.sqrt(np.diag(M)[nc:])
     value, vector = np.linalg.eigh(tangent[nc:, nc:] / np.outer(size, size))
-    # Nothing holds a free float in surge or yaw, and nothing pushes it; rounding is 1e-7 of the rest.
-    held = np.abs(value) > 1e-6 * np.abs(value).max()
+    # Nothing holds a free float in surge or yaw, and nothing pushes it; else rounding is what is left of weights that
+    # buoyancy cancels, whatever springs others have: what is slower than an hour is not told from it.
+    weight = body.gravity * np.sqrt(body.mass.sum()) * size
+    held = np.abs(value) > ROUNDING / STEP * (weight / size**2 @ vector**2) + SOFT * np.abs(value).max()
     update = vector[:, held] @ (vector[:, held].T @ (r / size) / np.abs(value[held])) / size
-    return update, r, value, body.gravity * np.sqrt(body.mass.sum()) * size
+    return update, r, value, weight

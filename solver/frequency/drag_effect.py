@@ -159,7 +159,7 @@ def _gains(case: Case, drag: np.ndarray, push: np.ndarray) -> np.ndarray:
     """
     waves, own, ratio = case.waves, case.system.structure.omega, case.system.structure.damping
     power = np.sum(np.abs(push / own**2) ** 2, axis=1)
-    power /= power.sum()
+    power /= power.sum() or 1.0
 
     def gain(at: np.ndarray, besides: np.ndarray) -> np.ndarray:
         return np.asarray(1 / (own**2 - 1j * (2 * ratio * own + besides) * at - at**2))

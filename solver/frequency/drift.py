@@ -29,7 +29,7 @@ from solver.scene import Scene
 NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of half its width
 SLOWEST = 1e-6  # [rad/s] at which added mass is that of no frequency
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
-SHARED = 16  # points in a band's width that waves are shared between: 1e-4 of the largest by that
+SHARED = 16  # points in a band's width that waves are shared between: 1e-3 of the largest by that
 FEW = 16  # waves whose differences are told one by one: of more a record shows the spectrum
 
 Impedance = Callable[[np.ndarray], np.ndarray]  # of frequencies μ (m,): B - iμ(A - A∞) (m, n, n)

@@ -133,7 +133,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     further = drifting | dict(strokes(case, response))
     if "moments" in scene.settings.outputs:
         each = ((output, case.process) for output in linear), ((output, platform.process) for output in of_platform)
-        further |= channels.moments({name: _crossed(of, lines) for (name, _, lines), of in chain(*each)})
+        further |= channels.moments({name: _crossed(of, lines, waves) for (name, _, lines), of in chain(*each)})
     return channels.record(
         tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
     )
@@ -149,13 +149,13 @@ def _counted(steel: Steel, platform: OfPlatform, waves: int) -> tuple[dict[str, 
     return steel.counted(bent, again * of.duration)
 
 
-def _crossed(of: gaussian.Process, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _crossed(of: gaussian.Process, lines: np.ndarray, waves: int) -> tuple[np.ndarray, np.ndarray]:
     """Rate of upcrossings (…) and moments of lines (nl, …): of known phases those of their sum, as a march counts."""
     of_order, flat = moments(of.omega, lines), lines.reshape(len(lines), -1)
     rate = crossings(of_order)
     if of.begin is None or of.omega.size == 1:
         return rate, of_order
-    again = CYCLES if of.omega.size - of.others == 1 else 1
+    again = CYCLES if waves == 1 else 1
     parts = np.array_split(flat, flat.shape[1] // AT_ONCE + 1, axis=1)
     sums = (np.tile(np.concatenate([*of.blocks(part)]), (again, 1)) for part in parts)
     counted = np.concatenate([crossing_rate(x, again * of.duration) for x in sums])

@@ -20,6 +20,7 @@ from solver.sea.current import Current
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 LEVEL = (0.0, 1.0, 0.0)  # a hinge's axis, across waves along x
+DIGITS = 9  # of lines' places over the farthest: angles of 120 degrees are mirrored but for rounding
 Vector = tuple[float, float, float]
 
 
@@ -360,10 +361,13 @@ def is_planar(floats: Iterable[Float], heading: float, current: Current | None =
 def lines_mirrored(floats: Iterable[Float]) -> bool:
     """Whether each float's catenary lines are their own image in y = 0: others pull a platform out of the plane."""
     flip = np.array([1, -1, 1, 1, -1, 1, 1, 1, 1])
-    each = ([(*line.anchor, *line.fairlead, line.length, line.weight, line.EA) for line in f.lines] for f in floats)
-    return all(
-        sorted(rows) == sorted(tuple(row) for row in (flip * np.reshape(rows, (-1, 9))).tolist()) for rows in each
-    )
+    for lines in (f.lines for f in floats if f.lines):
+        rows = np.array([(*line.anchor, *line.fairlead, line.length, line.weight, line.EA) for line in lines])
+        rows[:, :6] /= np.abs(rows[:, :6]).max()
+        rows = np.round(rows, DIGITS)
+        if sorted(map(tuple, rows.tolist())) != sorted(map(tuple, (flip * rows).tolist())):
+            return False
+    return True
 
 
 def out_of_place(item: Float, water: Water) -> Iterator[InputError]:

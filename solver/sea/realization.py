@@ -44,6 +44,7 @@ class Realization:
 
 MISSED = 0.03  # of a spectrum's height: the usual band cuts 0.8 % off, and 50 components in it miss 1.2 % at most
 SLOWEST = 1e-6  # a wave of ten weeks [rad/s]
+ROUNDING = 1e-12  # of waves of one frequency that cancel
 CALM = Realization(omega=np.array([1.0]), amplitude=np.zeros(1, complex))
 
 
@@ -125,6 +126,7 @@ def components(*, amplitude: ArrayLike, omega: ArrayLike, phase: ArrayLike, head
     omega, of = np.unique(w, return_inverse=True)
     amplitude = np.zeros(omega.size, complex)
     np.add.at(amplitude, of, A * np.exp(1j * e))
+    amplitude[np.abs(amplitude) <= ROUNDING * np.bincount(of, np.abs(A))] = 0.0  # what cancels
     return Realization(
         omega=omega,
         amplitude=amplitude,

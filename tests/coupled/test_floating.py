@@ -182,3 +182,21 @@ def test_rest_goes_with_the_scale(length):
     assert surge / l == approx(push / soft / l, rel=1e-6)
     roll = rest(-0.024, 1e-4, motion=("sway", "heave", "roll"))[2]
     assert abs(roll) == approx(0.234, abs=2e-3)
+
+
+@pytest.mark.parametrize("held", [1e4, 1e7])
+def test_a_soft_mooring_rests_as_it_does_beside_what_is_held_stiffly(held):
+    """A barge of 91 t that swings in 300 s, pushed by half a metre, and a light float on a spring."""
+    hull, ball = prism([(-5, -1.2), (5, -1.2), (5, 1.0), (-5, 1.0)], 8.0), Revolution.sphere(radius=0.36, draft=0.36)
+    mass = 1025.0 * hull.volume
+    soft = mass * (2 * np.pi / 300) ** 2
+    barge = Float(
+        name="barge", hull=hull, mass=mass, inertia=(8e5, 1.2e6, 1.6e6), hinge=(0, 0, 0), cog=(0, 0, -0.3),
+        motion=("surge", "heave", "pitch"), stiffness=(soft, 0, 0), preload=(0.5 * soft, 0, 0),
+    )  # fmt: skip
+    light = Float(
+        name="light", hull=ball, mass=1025.0 * ball.volume, inertia=(5.0,) * 3, hinge=(12.0, 0, 0), motion=("heave",),
+        stiffness=held,
+    )  # fmt: skip
+    whole = awkward_scene([barge, light], radiation=False, diffraction=False)
+    assert prepare(whole, solved(whole)).joints_at_rest[:2] == approx([0.5, 0.0], abs=1e-9)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from solver.coupled.preparation import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.mooring import Line, line_loads, line_stiffness
 from solver.run import simulate
-from solver.scene import DOFS, Float, Platform, Scene, Water
+from solver.scene import DOFS, Float, Platform, Scene, Water, lines_mirrored
 from solver.structure.frame import Frame
 from solver.structure.members import Member
 from solver.structure.sections import tube
@@ -209,3 +210,7 @@ def test_a_line_that_is_not_mirrored_takes_its_platform_out_of_the_plane():
     (planar, one), (_, off) = aside((pair[0],)), aside((pair[0],), 1e-9)
     assert not planar and one == approx(off, rel=1e-6) and one > 0.01
     assert aside(tuple(pair)) == (True, 0.0)
+    for side in (1, -1):  # at 0, 120 and 240 degrees, mirrored but for rounding; or the last at 200
+        turned = [np.array([np.cos(a), np.sin(a)]) for a in np.radians([0.0, 120.0, 220.0 + 20 * side])]
+        three = [replace(pair[0], anchor=(*(40 * at), -25.0), fairlead=(*(0.5 * at), -0.3)) for at in turned]
+        assert lines_mirrored([SimpleNamespace(lines=three)]) == (side == 1)

@@ -12,7 +12,7 @@ from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 
 STEP = 0.1  # between the angles of a stroke that are looked at, besides its ends [rad]
-SLID = 8, 64  # places on the way of what slides, at least and at most: half its hull's size apart, or less
+SLID, FAR = (8, 100), 50.0  # places on the way of what slides, at least and at most; sizes of its hull that it goes
 FINE = 100  # shares of its hull's size that this way's ends are told to
 AROUND = 24  # panels round a hull of revolution
 ALONG = 6  # and along each segment of its meridian
@@ -42,8 +42,8 @@ def meeting(a: Jointed, b: Jointed, strokes: tuple[Stroke, Stroke]) -> tuple[flo
     way = sum(max(abs(low), abs(high)) * _reach(item) for item, (low, high) in zip((a, b), strokes, strict=True))
     if way <= _clear(_box(a, 0.0), _box(b, 0.0)) or way <= _gap(a, b):
         return None
-    each = (_places(item, stroke) for item, stroke in zip((a, b), strokes, strict=True))
-    first, second = each
+    least = max(min(_narrowest(a.hull), _narrowest(b.hull)), _size(a.hull, b.hull))
+    first, second = (_places(item, stroke, least) for item, stroke in zip((a, b), strokes, strict=True))
     poses = sorted(product(first, second), key=lambda pose: max(abs(pose[0]), abs(pose[1])))
     at = next((pose for pose in poses if _overlap(a, b, pose)), None)
     return at if at is not None and any(at) else None
@@ -56,11 +56,14 @@ def inside(item: Jointed, low: float, high: float) -> Stroke:
     return step * low, step * high
 
 
-def _places(item: Jointed, stroke: Stroke) -> set[float]:
-    """In a stroke [rad or m]; angles are those that others look at, too, the same numbers."""
+def _places(item: Jointed, stroke: Stroke, least: float) -> set[float]:
+    """In a stroke [rad or m]; angles are those that others look at, too, the same numbers, and places no more than the
+    `least` apart that hulls are wide.
+    """
     if item.slides:
-        count = int(np.clip(2 * (stroke[1] - stroke[0]) / _extent(item.hull) + 2, *SLID))
-        return {0.0, *np.linspace(*stroke, count).tolist()}
+        low, high = np.clip(stroke, -FAR * _extent(item.hull), FAR * _extent(item.hull)).tolist()
+        count = int(np.clip((high - low) / least + 2, *SLID))
+        return {0.0, *np.linspace(low, high, count).tolist()}
     low, high = (int(np.trunc(end / STEP)) for end in stroke)
     return {0.0, *stroke, *(STEP * n for n in range(low, high + 1))}
 
@@ -121,6 +124,12 @@ def _posed(item: Jointed, points: np.ndarray, angle: float) -> np.ndarray:
 
 def _size(*hulls: Hull) -> float:
     return min(map(_extent, hulls)) / ACROSS
+
+
+@lru_cache(maxsize=64)
+def _narrowest(hull: Hull) -> float:
+    """Its shortest side [m] along x, y or z."""
+    return float(np.ptp(_panels(hull).reshape(-1, 3), axis=0).min())
 
 
 @lru_cache(maxsize=64)

@@ -128,7 +128,9 @@ def test_cylinders_that_slide_meet_once_they_went_as_far_as_they_are_apart(scale
     still, back, near = (0.0, 0.0), (-0.29 * scale, 0.0), (0.0, 0.29 * scale)
     assert meeting(a, b, (near, still)) is None and meeting(a, b, (still, back)) is None
     assert meeting(a, b, (still, (0.0, 5.0 * scale))) is None
-    assert meeting(a, b, (still, (-60.0 * scale, 0.0))) is not None  # however far it went through
+    for far in (5.0, 20.0, 60.0):  # whatever lies between the ends
+        gap = b._replace(hinge=((2.3 + far / 3) * scale, 0.0, 0.0))
+        assert meeting(a, gap, (still, (-far * scale, far * scale))) is not None
     assert meeting(a, b, ((0.0, 0.33 * scale), still)) == pytest.approx((0.33 * scale, 0.0))
     assert meeting(a, b, ((0.0, 0.2 * scale), (-0.2 * scale, 0.0))) == pytest.approx(
         (0.2 * scale, -0.2 * scale), rel=0.3
