@@ -87,7 +87,7 @@ def production(case: Case) -> dict[str, object]:
     """Figures of the record of the production path."""
     result = simulate(*built(case))
     attrs, rotation = result.attrs, result.variables["rotation"][1]
-    # Axes that a float does not have are NaN, and periods of what nothing holds, as a hinge at a ball's centre, infinite.
+    # Axes that a float does not have are NaN, periods of what nothing holds, as a hinge at a ball's centre, infinite.
     other = ("motion", "system_period")
     finite = all(np.all(np.isfinite(v)) for name, (_, v) in result.variables.items() if name not in other)
     return {
