@@ -21,7 +21,7 @@ from pipeline.tasks.task import Parameters, canonical, digest
 from solver import scene as physics
 from solver.hydrodynamics.hull.mesh import plates
 from solver.motions import PLANAR, possible
-from solver.scene import DOFS, STARTS, is_planar, lines_mirrored, needs_coefficients, panels_for
+from solver.scene import DOFS, STARTS, is_planar, needs_coefficients, panels_for, stays_in_plane
 from solver.sea.dispersion import first_solved
 
 if TYPE_CHECKING:
@@ -103,9 +103,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
     centres = [tuple(map(float, item.centre)) for item in floats]
     flat = is_planar(floats, parameters.waves.heading, scenes.current(parameters.current))
     platform = platforms.platform(parameters) if flat else None
-    planar = flat and (
-        platform is None or (platform.symmetric(physics.Water(**dict(parameters.water))) and lines_mirrored(floats))
-    )
+    planar = flat and stays_in_plane(platform, floats, physics.Water(**dict(parameters.water)))
     ways = possible(floats, planar=planar, elastic=parameters.platform is not None)
     place = {
         "water": parameters.water,

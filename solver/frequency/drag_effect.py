@@ -40,7 +40,7 @@ OF_XI = np.exp(-0.5 * XI**2) / np.exp(-0.5 * XI**2).sum()
 WEIGHT = np.outer(OF_Z, OF_XI).ravel()
 LEAST = 1e-3  # of how far odd orders go: a fifth of a mode's part by drag counts as that at least
 COS = np.cos(gaussian.PHASE)
-_ORDERS = np.arange(1, 3)[:, None, None]  # by how many mean frequencies second and third ones are above a wave's
+ORDERS = np.arange(1, 3)[:, None, None]  # by how many mean frequencies second and third ones are above a wave's
 
 
 class Effect(NamedTuple):
@@ -164,14 +164,14 @@ def _gains(case: Case, drag: np.ndarray, push: np.ndarray) -> np.ndarray:
     def gain(at: np.ndarray, besides: np.ndarray) -> np.ndarray:
         return np.asarray(1 / (own**2 - 1j * (2 * ratio * own + besides) * at - at**2))
 
-    linear, higher = gain(waves[:, None], 0 * drag), gain(waves[:, None] + _ORDERS * (waves @ power), drag)
+    linear, higher = gain(waves[:, None], 0 * drag), gain(waves[:, None] + ORDERS * (waves @ power), drag)
     if waves.size > 1:
         step = waves.max() / BINS
         each = np.fft.rfft(np.bincount(np.rint(waves / step).astype(int), power), 4 * BINS)
         sums = np.fft.irfft(each ** np.array([[2], [3]]), 4 * BINS)
         above = np.arange(BINS + 1, 3 * BINS + 1)
         mean = sums[:, above] @ np.abs(gain(step * above[:, None], drag)) ** 2
-        higher *= (np.sqrt(mean.clip(min=0.0)))[:, None] / np.abs(higher)
+        higher *= np.sqrt(mean.clip(min=0.0))[:, None] / np.abs(higher)
     return np.concatenate([linear[None], higher])
 
 

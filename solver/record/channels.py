@@ -15,7 +15,7 @@ from solver.multibody.of_axes import borne_at_most, pto_bounds, working_rates
 from solver.power_takeoff import PtoEfficiency
 from solver.record import steel
 from solver.record.bound import wave_power
-from solver.record.spectra import MOMENTS, Bands, cross_spectra, unmet
+from solver.record.spectra import MOMENTS, Bands, cross_spectra, waveless
 from solver.record.steel import Steel
 from solver.scene import Scene
 from solver.sea.dispersion import wavenumbers
@@ -220,7 +220,7 @@ class Channels:
     ) -> dict[str, Labelled]:
         """Variables of the response of each output's lines (n, …) to the wave's (n,) at omega (n,)."""
         out: dict[str, Labelled] = {"band_frequency": (("frequency_band",), at.omega)}
-        water, none = self.scene.water, unmet(at, self.scene.sea.omega[self.scene.sea.amplitude != 0])
+        water, none = self.scene.water, waveless(at, self.scene.sea.omega[self.scene.sea.amplitude != 0])
         for name, lines in outputs:
             shape, flat = lines.shape[1:], lines.reshape(len(lines), -1)
             ahead = self.ahead(name)

@@ -24,7 +24,7 @@ class Bands(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Of m outputs to the waves, band by band; NaN where there is nothing to divide by; see `unmet`."""
+    """Of m outputs to the waves, band by band; NaN where there is nothing to divide by; see `waveless`."""
 
     transfer: np.ndarray  # (nf, m) complex, per wave amplitude
     coherence: np.ndarray  # (nf, m) share of the variance that follows the waves linearly
@@ -38,7 +38,7 @@ def bands(omega: np.ndarray, duration: float) -> Bands:
     return Bands(np.linspace(low, high, count), max((high - low) / BANDS, LEAST * 2 * np.pi / duration))
 
 
-def unmet(at: Bands, omega: np.ndarray) -> np.ndarray:
+def waveless(at: Bands, omega: np.ndarray) -> np.ndarray:
     """Which bands (nf,) have none of the waves at omega (nw,)."""
     apart = np.abs(at.omega[:, None] - omega).min(axis=1, initial=np.inf)
     return np.asarray(apart > SEEN * at.width)

@@ -12,7 +12,6 @@ from solver.scene.floats import (
     EndStops,
     Float,
     is_planar,
-    lines_mirrored,
     load_unit_along,
     on_others,
     out_of_place,
@@ -20,7 +19,7 @@ from solver.scene.floats import (
     unlisted,
 )
 from solver.scene.platform import Platform, StructuralDamping
-from solver.scene.scene import MOST_STEPS, STEPS, Scene, require_waves, two_digits
+from solver.scene.scene import MOST_STEPS, STEPS, Scene, require_waves, stays_in_plane, two_digits
 from solver.scene.settings import (
     MOST_PANELS,
     OF_FLOATS,
@@ -61,7 +60,6 @@ __all__ = [
     "Water",
     "falls_at",
     "is_planar",
-    "lines_mirrored",
     "load_unit_along",
     "needs_coefficients",
     "on_others",
@@ -69,6 +67,7 @@ __all__ = [
     "panels_for",
     "poses",
     "require_waves",
+    "stays_in_plane",
     "straight_down",
     "turning_bounds",
     "two_digits",

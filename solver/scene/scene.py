@@ -1,6 +1,6 @@
 """Water, sea, floats and support together, and what of each the others or the method refuse."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 
@@ -298,8 +298,12 @@ class Scene:
     def planar(self) -> bool:
         """Scene and sea are mirror images of themselves in y = 0, so nothing leaves the plane."""
         flat = is_planar(self.floats, self.sea.heading, self.current)
-        held = self.platform is None or (self.platform.symmetric(self.water) and lines_mirrored(self.floats))
-        return flat and held
+        return flat and stays_in_plane(self.platform, self.floats, self.water)
+
+
+def stays_in_plane(platform: Platform | None, floats: Iterable[Float], water: Water) -> bool:
+    """Whether a platform that floats are on is its own image in y = 0, and nothing pulls it out of that plane."""
+    return platform is None or (platform.symmetric(water) and lines_mirrored(floats))
 
 
 def two_digits(step: float) -> float:

@@ -227,9 +227,9 @@ def _out_forces(part: str, period: float) -> list[list[float]]:
             continue
         rows = []
         # RAOs, drift forces and others follow by the same headings, in rows of the same form.
-        for piece in re.split(EXCITING, block)[0].split("Wave Heading (deg) :")[1:]:
+        for piece in block.partition(EXCITING)[0].split("Wave Heading (deg) :")[1:]:
             beta = float(piece.split()[0])
-            if not re.search(r"Mod\[X", piece):
+            if "Mod[X" not in piece:
                 break
             for line in piece.splitlines()[1:]:
                 words = line.split()

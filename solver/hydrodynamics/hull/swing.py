@@ -42,7 +42,7 @@ def meeting(a: Jointed, b: Jointed, strokes: tuple[Stroke, Stroke]) -> tuple[flo
     way = sum(max(abs(low), abs(high)) * _reach(item) for item, (low, high) in zip((a, b), strokes, strict=True))
     if way <= _clear(_box(a, 0.0), _box(b, 0.0)) or way <= _gap(a, b):
         return None
-    least = max(min(_narrowest(a.hull), _narrowest(b.hull)), _size(a.hull, b.hull))
+    least = max(min(_sides(a.hull).min(), _sides(b.hull).min()), _size(a.hull, b.hull))
     first, second = (_places(item, stroke, least) for item, stroke in zip((a, b), strokes, strict=True))
     poses = sorted(product(first, second), key=lambda pose: max(abs(pose[0]), abs(pose[1])))
     at = next((pose for pose in poses if _overlap(a, b, pose)), None)
@@ -51,7 +51,7 @@ def meeting(a: Jointed, b: Jointed, strokes: tuple[Stroke, Stroke]) -> tuple[flo
 
 def inside(item: Jointed, low: float, high: float) -> Stroke:
     """A stroke to whole steps, so that much the same ones are looked at once; half a turn each way is all there is."""
-    step, most = (_extent(item.hull) / FINE, np.inf) if item.slides else (STEP, np.pi)
+    step, most = (_sides(item.hull).max() / FINE, np.inf) if item.slides else (STEP, np.pi)
     low, high = (float(np.trunc(np.clip(end, -most, most) / step)) for end in (low, high))
     return step * low, step * high
 
@@ -61,7 +61,8 @@ def _places(item: Jointed, stroke: Stroke, least: float) -> set[float]:
     `least` apart that hulls are wide.
     """
     if item.slides:
-        low, high = np.clip(stroke, -FAR * _extent(item.hull), FAR * _extent(item.hull)).tolist()
+        far = FAR * _sides(item.hull).max()
+        low, high = np.clip(stroke, -far, far).tolist()
         count = int(np.clip((high - low) / least + 2, *SLID))
         return {0.0, *np.linspace(low, high, count).tolist()}
     low, high = (int(np.trunc(end / STEP)) for end in stroke)
@@ -123,19 +124,13 @@ def _posed(item: Jointed, points: np.ndarray, angle: float) -> np.ndarray:
 
 
 def _size(*hulls: Hull) -> float:
-    return min(map(_extent, hulls)) / ACROSS
+    return min(_sides(hull).max() for hull in hulls) / ACROSS
 
 
 @lru_cache(maxsize=64)
-def _narrowest(hull: Hull) -> float:
-    """Its shortest side [m] along x, y or z."""
-    return float(np.ptp(_panels(hull).reshape(-1, 3), axis=0).min())
-
-
-@lru_cache(maxsize=64)
-def _extent(hull: Hull) -> float:
-    """Its longest side [m] along x, y or z."""
-    return float(np.ptp(_panels(hull).reshape(-1, 3), axis=0).max())
+def _sides(hull: Hull) -> np.ndarray:
+    """Its lengths (3,) [m] along x, y and z."""
+    return np.asarray(np.ptp(_panels(hull).reshape(-1, 3), axis=0))
 
 
 @lru_cache(maxsize=64)
