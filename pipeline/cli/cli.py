@@ -293,6 +293,8 @@ def report(
     from pipeline.results import dataset
 
     study = load(study_file)
+    if figure and figure.suffix.lower() != ".png":
+        raise StudyError(study.path, [f"--figure = {figure}: must end with .png, the one format it has"])
     store = store_of(study, results)
     path = store.root / "statistics.nc"
     if not (path.exists() or store.begun()):

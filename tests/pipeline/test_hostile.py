@@ -240,8 +240,10 @@ def test_letters_that_a_locale_lacks(tmp_path):
     assert "water.depth = '\\u6ce2': must be a number [m]" in done.stderr
 
 
-def test_a_figure_needs_a_name(small, monkeypatch):
-    monkeypatch.setattr("sys.argv", ["study", "report", str(small), "--figure", ""])
+@pytest.mark.parametrize("name", ["", "summary.pdf", "summary"])
+def test_a_figure_has_a_name_of_its_format(small, name, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["study", "report", str(small), "--figure", name])
     with pytest.raises(SystemExit) as exit_:
         cli.main()
     assert exit_.value.code == 2
+    assert "--figure" in capsys.readouterr().err
