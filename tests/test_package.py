@@ -1,4 +1,4 @@
-"""The package as a user meets it: cheap to import, a few names, and the README's example."""
+"""The package as a user meets it: cheap to import, a few names, and pages whose links and examples hold."""
 
 import re
 import subprocess
@@ -66,6 +66,23 @@ def test_boundary_elements_are_solved_only_where_something_depends_on_them():
     for pressure in ("linear", "none"):  # of which both have linear buoyancy
         settings = solver.Settings(**bare, froude_krylov=pressure)
         assert needed(solver.Scene(water=water, floats=(ball(),), settings=settings))
+
+
+def anchors(page):
+    """As they are made of a page's headings."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("folder", [".", "solver", "pipeline", "studies"])
+def test_links_of_the_pages_lead_somewhere(folder):
+    page = ROOT / folder / "README.md"
+    links = re.findall(r"\]\(([^)#\s]*)#?([^)\s]*)\)", page.read_text(encoding="utf-8"))
+    assert links
+    for path, anchor in links:
+        there = page.parent / path if path else page
+        assert there.exists(), path
+        assert not anchor or anchor in anchors(there), (path, anchor)
 
 
 def test_the_readmes_example_runs():

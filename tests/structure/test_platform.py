@@ -85,7 +85,7 @@ def test_sway_euler_load_of_four_guided_legs(platform):
 
 
 def test_flooded_legs_miss_table_3(platform):
-    """29 t of water in the legs: README's frequencies, up to 30 % below the paper's; left out, they are met."""
+    """29 t of water in the legs: studies/README's frequencies, up to 30 % below the paper's; left out, they are met."""
     members = tuple(replace(m, flooded=True if m.in_water else None) for m in platform.frame.members)
     flooded = assemble(replace(platform.frame, members=members))
     inner = water.inner_mass(flooded, 1025.0)

@@ -10,7 +10,7 @@ from solver.hydrodynamics.bem.problem import Problem
 from solver.hydrodynamics.bem.seabed import Box, pays
 from solver.hydrodynamics.hull import mesh as meshes
 
-# Processor time [s] on the machine of README's times: `python -m studies.benchmark.boundary` prints all but NODE here.
+# Processor time [s] on the machine of solver/README.md: `python -m studies.benchmark.boundary` prints all but NODE.
 FREE, SEABED = 3.7e-7, 2.9e-6  # Green function of a pair of panels, in deep water and above a seabed that matters
 NODE = 8e-10  # what each of a body's nodes adds to one in deep water, see `seabed`
 FACTORED = 1e-10  # a system's factorization, over the cube of its panels

@@ -14,7 +14,7 @@ from pipeline.report import best
 from pipeline.report.energy import ALL, energies, rows, table
 from pipeline.report.yearly import OFF, ROWS, SURVIVORS, Table, show
 
-README = Path(__file__).parents[3] / "README.md"
+README = Path(__file__).parents[3] / "studies" / "README.md"
 HOURS = 365.25 * 24
 STATISTICS = ["max", "min", "mean", "rms", "std"]
 

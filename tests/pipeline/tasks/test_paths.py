@@ -882,7 +882,7 @@ def test_more_samples_leave_the_first_ones_where_they_are(small, method):
 
 def test_the_axes_of_the_readme_are_axes(tmp_path):
     root = Path(__file__).parents[3]
-    lines = (root / "README.md").read_text().splitlines()
+    lines = (root / "studies" / "README.md").read_text().splitlines()
     first = lines.index("    [axes]")
     block = [line[4:] for line in lines[first : lines.index("", first)]]
     path = tmp_path / "readme.toml"
