@@ -112,7 +112,7 @@ class Case:
 
     @cached_property
     def met(self) -> np.ndarray:
-        """Which of the sea's waves have a height: others have no response, and coefficients may not reach so far."""
+        """Which of the sea's waves have a height: others have no response."""
         return np.abs(self.system.scene.sea.amplitude) > 0
 
     @cached_property

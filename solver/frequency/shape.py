@@ -12,7 +12,6 @@ import numpy as np
 
 from solver.frequency import gaussian
 from solver.multibody.joint_law import JointLaw
-from solver.multibody.linearised import GAUSSIAN
 from solver.multibody.of_axes import joint_loads
 
 BINS = 128  # of frequencies up to the highest
@@ -21,9 +20,10 @@ BINS = 128  # of frequencies up to the highest
 def excess(law: JointLaw, omega: np.ndarray, V: np.ndarray, mobility: np.ndarray) -> np.ndarray:
     """κ (n,) of rates of lines V (n, nw) of axes with a law, H (n, nw) [m/N s] of each."""
     sigma = gaussian.spread(V.T)
-    rates = GAUSSIAN[:, None] * sigma
+    x = gaussian.SIZES[:, None]
+    rates = x * sigma
     loads = joint_loads(law, np.zeros(rates.shape), rates)
-    third = np.mean((loads.pto + loads.loss) * (GAUSSIAN**3 - 3 * GAUSSIAN)[:, None], axis=0) / 6  # a₃σ³
+    third = gaussian.WEIGHTS @ ((loads.pto + loads.loss) * (x**3 - 3 * x)) / 6  # a₃σ³
     kappa = np.zeros(sigma.size)
     for i in np.flatnonzero(sigma > 0):
         kappa[i] = -24 * third[i] / sigma[i] * _mean_mobility(omega, V[i], mobility[i].real)

@@ -14,7 +14,8 @@ from solver.scene import Float, Scene
 from solver.sea.dispersion import group_velocity, wavenumbers
 from solver.statistics import STATISTICS
 
-FAINT = 1e-9  # of an axis's motion, what counts as none of its kind
+SLIGHT = 1e-9  # of an axis's motion, what counts as none of its kind
+ROUNDING = 1e-12  # of what a heaving body could take
 MARGIN = 2.0  # of that power's estimated error, which is none of its bounds: tuned cylinders had up to 1.2 of it more
 
 
@@ -52,8 +53,8 @@ def _gain(item: Float) -> float:
     """
     directions, turns = item.directions, item.turns
     moved = np.where(turns[:, None], np.cross(directions, np.array(item.arm) / item.hull.scale), directions)
-    level = np.abs(np.concatenate([moved, directions[turns]])[:, :2]) > FAINT
-    return 2.0 * bool(level.any()) + 1.0 * bool(np.any(np.abs(moved[:, 2]) > FAINT))
+    level = np.abs(np.concatenate([moved, directions[turns]])[:, :2]) > SLIGHT
+    return 2.0 * bool(level.any()) + 1.0 * bool(np.any(np.abs(moved[:, 2]) > SLIGHT))
 
 
 def above(scene: Scene, tables: Mapping[str, np.ndarray], error: float, change: float = 0.0) -> Iterator[str]:
@@ -64,7 +65,7 @@ def above(scene: Scene, tables: Mapping[str, np.ndarray], error: float, change: 
     most = largest_power(scene)
     power = tables["absorbed_power"][:, STATISTICS.index("mean")] if scene.floats else np.zeros(0)
     allowed = (1 + MARGIN * error) * most - min(change, 0.0) / scene.settings.duration
-    if power.size and scene.sea.amplitude.any() and power[0] > allowed:
+    if power.size and scene.sea.amplitude.any() and power[0] > allowed + ROUNDING * power_per_wavenumber(scene):
         yield (
             f"floats.{scene.floats[0].name} absorbs {power[0]:.4g} W, more than the {most:.4g} W that linear theory"
             " lets a body of revolution take from these waves"

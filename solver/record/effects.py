@@ -19,7 +19,7 @@ from solver.multibody.joint_law import JointLaw
 from solver.record import decay
 from solver.record.channels import Channels
 from solver.record.response import absorbs, in_waves
-from solver.record.sampling import least_force
+from solver.record.sampling import least_force, least_motion
 from solver.record.slow import slow_effect
 from solver.statistics import FAINT
 
@@ -177,7 +177,7 @@ def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarr
     """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law."""
     size, true_size = lengths(X.T), lengths(exact.T)
     largest = linear_model(system).length * true_size
-    used = largest > FAINT * largest.max(initial=0.0)
+    used = largest > max(FAINT * largest.max(initial=0.0), least_motion(system.scene))
     takes, squared = used & absorbs(system, law), np.repeat(omega**2, 2)
     rate, true_rate = (real_parts(x.T)[takes] ** 2 @ squared for x in (X, exact))
     changes = np.concatenate([size[used] / true_size[used], rate / true_rate])

@@ -23,11 +23,17 @@ class Cuts(NamedTuple):
 
 
 Cut = Mapping[str, Cuts]
+ROUNDING = 1e-12  # of the waves' heights
 
 
 def least_force(scene: Scene) -> np.ndarray:
     """(nb, 1) [N]: joint forces below it count as zero, as those along an axis that is free are."""
     return FAINT * scene.water.gravity * np.array([[f.mass] for f in scene.floats])
+
+
+def least_motion(scene: Scene) -> float:
+    """√Σ|X|² [m] of what waves move by rounding alone."""
+    return ROUNDING * float(np.linalg.norm(scene.sea.amplitude))
 
 
 def expected_error(

@@ -18,6 +18,7 @@ from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.response import in_waves
+from solver.record.sampling import least_motion
 from solver.record.slow import radiating, unradiated
 from solver.statistics import FAINT
 
@@ -43,7 +44,7 @@ def from_rest(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     size = np.abs(in_waves(system, h).X) ** 2
     total = size.sum(axis=0)
     moves = linear_model(system).length * np.sqrt(total)
-    used = moves > FAINT * moves.max()
+    used = moves > max(FAINT * moves.max(), least_motion(system.scene))
     near = np.abs(sea.omega - own[:, None]) <= WIDTHS * B[:, None]
     lost = lacking * np.max((near @ size)[:, used] / total[used], axis=1, initial=0.0)
     k = int(lost.argmax())

@@ -68,8 +68,8 @@ def divided(frame: Frame, undivided: set[str], *, density: float, gravity: float
 def thickest(frame: Frame, ends: np.ndarray) -> np.ndarray:
     """Thickness and density (2,) of the most growth on what lies between ends (2, 3), wet or not."""
     low, high = np.sort(ends[:, 2])
-    between = [-line.depth for line in frame.growth if low < -line.depth < high]
-    return np.max(frame.grown(np.array([low, high, *between])), axis=1)
+    between = [(line.thickness, line.density) for line in frame.growth if low < -line.depth < high]
+    return np.max([*np.transpose(frame.grown(np.array([low, high]))), *between], axis=0)
 
 
 def _enough(frame: Frame, member: Member, density: float, gravity: float) -> int:

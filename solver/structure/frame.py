@@ -218,9 +218,9 @@ class Frame:
         if not any(member.releases().any() for member in self.members):
             return
         number = {name: 6 * i + np.arange(6) for i, name in enumerate(self.nodes)}
-        left, whole = np.zeros(
-            (2, 2, 6 * len(number), 6 * len(number))
-        )  # stiffness and mass, with releases and without
+        size = 6 * len(number)
+        # Stiffness and mass: with releases, and the diagonals without.
+        left, whole = np.zeros((2, size, size)), np.zeros((2, size))
         for member in self.members:
             ends, section, material = self.ends(member), member.section_at(0.5), member.material
             L = float(np.linalg.norm(ends[1] - ends[0]))
@@ -241,13 +241,13 @@ class Frame:
             at = np.concatenate([number[member.start], number[member.end]])
             seen = np.array([beam.condensed_stiffness(stiffness, C, member.springs), C.T @ own[1] @ C])
             left[:, at[:, None], at] += T.T @ (seen + C.T @ ground @ C) @ T
-            whole[:, at[:, None], at] += T.T @ (own + ground) @ T
+            whole[:, at] += np.diagonal(T.T @ (own + ground) @ T, axis1=1, axis2=2)
         on_nodes = [(0, node, self.foundation_matrix(node)) for node in self.foundation]
         on_nodes += [(1, item.node, item.matrix) for item in self.masses]
         for kind, node, matrix in on_nodes:
             at = number[node]
             left[kind, at[:, None], at] += matrix
-            whole[kind, at[:, None], at] += matrix
+            whole[kind, at] += np.diag(matrix)
         free = self.free({name: i for i, name in enumerate(self.nodes)}, left.shape[1])
         names = ", ".join(m.name for m in self.members if m.releases().any())
         for kept, before, word in zip(left, whole, ("free to", "without inertia to"), strict=True):
@@ -287,8 +287,11 @@ class Frame:
 
 
 def _loosest(kept: np.ndarray, whole: np.ndarray, free: np.ndarray) -> int | None:
-    """The degree of freedom that takes most part in a motion which releases leave without stiffness or mass, if any."""
-    size = 1 / np.sqrt(np.diag(whole)[free])
+    """The degree of freedom that takes most part in a motion which releases leave without stiffness or mass, if any.
+
+    whole: the diagonal without releases.
+    """
+    size = 1 / np.sqrt(whole[free])
     scaled = size[:, None] * kept[np.ix_(free, free)] * size
     with contextlib.suppress(np.linalg.LinAlgError):  # at once, where nothing is loose
         scipy.linalg.cholesky(scaled - beam.LOOSE * np.eye(free.size), overwrite_a=True, check_finite=False)

@@ -112,7 +112,8 @@ class Hydrodynamics:
         force = 1 / arm.ravel()
         sizes = {"added_mass_inf": (both := force[:, None] * force), "added_mass": both, "radiation_damping": both}
         known = {n: (e, getattr(self, n), sizes.get(n, force)) for n, e in self.error._asdict().items()}
-        return max(float(np.abs(e * size).max() / np.abs(x * size).max()) for e, x, size in known.values())
+        shares = ((np.abs(e * size).max(), np.abs(x * size).max()) for e, x, size in known.values())
+        return max(float(error / largest) if largest > 0 else 0.0 for error, largest in shares)
 
     @cached_property
     def resolved(self) -> np.ndarray:

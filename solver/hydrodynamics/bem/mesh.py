@@ -60,8 +60,9 @@ class Mesh:
         narrow: see mesh.panels.
         """
         origin, mirrors = meshes.mirror_planes(hulls, centres)
+        places = meshes.on_planes(hulls, centres - origin)
         pieces, owners, hulled = [], [], []
-        for b, (hull, at, count) in enumerate(zip(hulls, centres - origin, counts, strict=True)):
+        for b, (hull, at, count) in enumerate(zip(hulls, places, counts, strict=True)):
             share = meshes.quarters(at, len(mirrors))
             if not share:
                 continue

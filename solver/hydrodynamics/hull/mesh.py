@@ -16,7 +16,7 @@ from solver.hydrodynamics.hull.surface import merged, mirrored
 Hull = Revolution | PanelHull
 
 PANELS = 432  # a body, of the finest of the boundary elements' meshes, where no more are asked for
-ON_PLANE = 1e-9  # [m]
+ON_PLANE = 1e-9  # of a scene's size
 LONGER = 1.2
 LEAST_PLATE = 0.05  # of a mesh's wetted surface, from which on its thin parts are plates
 # Across a waterplane of several outlines: panels of its bottom, cells of its lid. Those are no smaller than this share
@@ -308,13 +308,23 @@ def _copied(points: np.ndarray, faces: np.ndarray, quarters: int) -> tuple[np.nd
 def mirror_planes(hulls: tuple[Hull, ...], centres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where a scene's planes of symmetry cross (3,) [m], and the images (1, 2 or 4, 3) of signs they make."""
     origin = np.array([*(centres[:, :2].min(axis=0) + centres[:, :2].max(axis=0)) / 2, 0.0])
-    at = centres - origin
+    at = on_planes(hulls, centres - origin)
     across, along = (_is_mirrored(hulls, at, axis) for axis in (1, 0))
     if not across:
         return origin, IMAGES[:1]
     # Bodies on the plane x = 0 beside y = 0 would have to be halved the other way.
-    halves = np.any((np.abs(at[:, 0]) < ON_PLANE) & (np.abs(at[:, 1]) > ON_PLANE))
+    halves = np.any((at[:, 0] == 0) & (at[:, 1] != 0))
     return origin, IMAGES if along and not halves else IMAGES[:2]
+
+
+def on_planes(hulls: tuple[Hull, ...], at: np.ndarray) -> np.ndarray:
+    """Places (nb, 3) about where the planes cross, with 0 in that of one a hair off."""
+    return np.where(np.abs(at) < _hair(hulls, at), 0.0, at)
+
+
+def _hair(hulls: tuple[Hull, ...], at: np.ndarray) -> float:
+    """Distance [m] within which places are taken for the same."""
+    return ON_PLANE * float(max(h.largest_radius for h in hulls) + np.abs(at).max())
 
 
 def _is_mirrored(hulls: tuple[Hull, ...], at: np.ndarray, axis: int) -> bool:
@@ -327,7 +337,7 @@ def _is_mirrored(hulls: tuple[Hull, ...], at: np.ndarray, axis: int) -> bool:
 def partner(hulls: tuple[Hull, ...], at: np.ndarray, mirror: np.ndarray) -> np.ndarray:
     """Number of the equal body that lies where each body's mirror image does, (nb,), itself if it may; -1: none."""
     gap = np.linalg.norm((at * mirror)[:, None] - at[None], axis=-1)
-    close, found = gap < ON_PLANE * (1 + np.abs(at).max()), np.full(len(at), -1)
+    close, found = gap < _hair(hulls, at), np.full(len(at), -1)
     for b in range(len(at)):
         equal = [int(o) for o in np.flatnonzero(close[b]) if hulls[o] == hulls[b]]
         found[b] = b if b in equal else equal[0] if equal else -1
@@ -336,7 +346,7 @@ def partner(hulls: tuple[Hull, ...], at: np.ndarray, mirror: np.ndarray) -> np.n
 
 def quarters(at: np.ndarray, images: int) -> int:
     """Quarters of a body at `at` to be meshed: of bodies that are each other's image only one, at x > 0 and y > 0."""
-    x, y = (0 if abs(u) < ON_PLANE else np.sign(u) for u in at[:2])
+    x, y = at[:2]
     if images == 1:
         return 4
     if y < 0 or (images == 4 and x < 0):

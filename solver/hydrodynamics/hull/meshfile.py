@@ -36,7 +36,7 @@ def read(name: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
         vertices, faces = READERS.get(kind, _by_capytaine)(data, kind)
     except InputError:
         raise
-    except (ValueError, IndexError, KeyError, AssertionError, struct.error) as error:
+    except (ValueError, IndexError, KeyError, AssertionError, OverflowError, struct.error) as error:
         raise InputError(KEY, name, f"is not a readable {kind} mesh: {error}") from None
     if not len(faces):
         raise InputError(KEY, name, "holds no panels")

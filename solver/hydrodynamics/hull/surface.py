@@ -209,7 +209,10 @@ def alike(panels: np.ndarray, other: np.ndarray, tolerance: float) -> bool:
 
 
 def below(panels: np.ndarray, axis: int = 2, *, sign: int = 1) -> np.ndarray:
-    """The parts of panels (n, 4, 3) where sign times the coordinate is negative, corners near 0 moved onto it."""
+    """The parts of panels (n, 4, 3) where sign times the coordinate is negative, corners near 0 moved onto it.
+
+    One that is not plane is cut as it is folded, along its first diagonal.
+    """
     if not len(panels):
         return panels
     extent = np.ptp(panels.reshape(-1, 3), axis=0).max()
@@ -217,9 +220,21 @@ def below(panels: np.ndarray, axis: int = 2, *, sign: int = 1) -> np.ndarray:
     level = sign * panels[:, :, axis]
     inside = level.min(axis=1) < 0
     whole = inside & (level.max(axis=1) <= 0)
-    cut = [piece for p, h in zip(panels[inside & ~whole], level[inside & ~whole], strict=True) for piece in _cut(p, h)]
+    crossed = panels[inside & ~whole]
+    folded = _warp(crossed) > ON * extent
+    crossed = np.concatenate([crossed[~folded], triangles(crossed[folded])[:, [0, 1, 2, 2]]])
+    cut = [piece for p in crossed for piece in _cut(p, sign * p[:, axis])]
     pieces = onto(np.concatenate([panels[whole], np.array(cut).reshape(-1, 4, 3)]), [axis], extent)
     return pieces[areas(pieces) > (WELD * extent) ** 2]
+
+
+def _warp(panels: np.ndarray) -> np.ndarray:
+    """Distance (n,) [m] of one diagonal of panels (n, 4, 3) from the other."""
+    first, second = panels[:, 2] - panels[:, 0], panels[:, 3] - panels[:, 1]
+    across = np.cross(first, second)
+    size = np.linalg.norm(across, axis=1)
+    apart = np.abs(np.einsum("ni,ni->n", across, panels[:, 1] - panels[:, 0]))
+    return np.divide(apart, size, out=np.zeros(len(panels)), where=size > 0)
 
 
 def onto(points: np.ndarray, axes: Sequence[int], extent: float) -> np.ndarray:

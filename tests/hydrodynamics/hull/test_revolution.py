@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solver.errors import InputError
+from solver.hydrodynamics.bem.mesh import Mesh
 from solver.hydrodynamics.hull.mesh import lid, mirror_planes, mirrored, panels, quarters
 from solver.hydrodynamics.hull.revolution import Revolution, Segment
 
@@ -109,6 +110,19 @@ def test_symmetry_planes_are_found():
     assert len(mirror_planes((a, b), np.array([[-4.0, 0, 0], [4.0, 0, 0]]))[1]) == 2
     assert len(mirror_planes((a, a), np.array([[-4.0, 0, 0], [4.0, 1, 0]]))[1]) == 1
     assert [quarters(np.array([x, 0.0, 0.0]), 4) for x in (-1.0, 0.0, 1.0)] == [0, 1, 2]
+
+
+@pytest.mark.parametrize("scale", [0.01, 1.0, 100.0])
+@pytest.mark.parametrize("off", [-4e-9, -1e-9, 1e-10, 2e-9, 1e-8, 1e-6])
+def test_places_a_hair_off_a_plane_are_on_it_for_all_that_ask(scale, off):
+    """A ring of bodies laid out with 3.141592654: no body is meshed twice, and none is left out."""
+    hull = Revolution.vertical_cylinder(radius=2.0 * scale, draft=2.0 * scale, freeboard=scale)
+    centres = scale * np.array([[10.0, 0.0, 0.0], [-10.0, off, 0.0]])
+    mesh = Mesh.of((hull, hull), centres, ("heave",), (108, 108), 1, np.inf, lids=())
+    areas = mesh.whole.faces_areas
+    both = [areas[mesh.bodies == b].sum() for b in (0, 1)]
+    one = Mesh.of((hull,), centres[:1], ("heave",), (108,), 1, np.inf, lids=()).whole.faces_areas.sum()
+    assert both == pytest.approx([one, one], rel=1e-9)
 
 
 @pytest.mark.parametrize(
