@@ -166,8 +166,7 @@ def step_errors(probe: Probe) -> dict[str, float]:
         finer.add(since[every], output if jumps else output.thinned(), samples[every])
     own, exact, between, cut = probe.recorder.samples(), finer.samples(), 0.0, probe.recorder.amended()
     pieces = of_every_other(exact, finer.amended(), cut) if jumps else finer.amended()
-    from_rest = system.scene.settings.discard == 0 and probe.state is None
-    ends = statistics_error(system, scene, from_start if from_rest else at_ends, own)
+    ends = _ends_error(probe, own)
     if jumps:  # of samples twice as near to each other as the record's
         between = statistics_error(system, scene, partial(between_samples, cut=pieces), exact)
         exact = {name: x[1::2] for name, x in exact.items()}
@@ -175,6 +174,22 @@ def step_errors(probe: Probe) -> dict[str, float]:
     step = statistics_error(system, scene, differ, own, exact)
     step = max(step * 16 / 15, missed(system, system.dt))
     return {"discretization_error": step, "sampling_error": together((between, ends))}
+
+
+def _ends_error(probe: Probe, samples: Mapping[str, np.ndarray]) -> float:
+    """By the record's ends; of a record that begins well within these samples, by what there is at its start."""
+    system, short = probe.system, probe.recorder.scene
+    if probe.state is not None:
+        return statistics_error(system, short, at_ends, samples)
+    if system.scene.settings.discard == 0:
+        return statistics_error(system, short, from_start, samples)
+    count = 2 * probe.steps
+    skipped = int(np.ceil(2 * system.scene.settings.discard / system.dt - 1e-6)) - 1  # the first one after half a step
+    if skipped > count / 2:
+        return statistics_error(system, short, at_ends, samples)
+    settings = replace(short.settings, duration=short.settings.duration * (1 - skipped / count))
+    rest = {name: x[skipped:] for name, x in samples.items()}
+    return statistics_error(system, replace(short, settings=settings), partial(at_ends, begins=True), rest)
 
 
 def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:

@@ -71,12 +71,15 @@ def from_start(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray
         return max(_from_start(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
 
 
-def at_ends(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float) -> float:
+def at_ends(
+    samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float, *, begins: bool = False
+) -> float:
     """The same of a record whose first and last sample count in full, and might anywhere lie.
 
     Means of v over a time T by samples h apart err by h/2 (v(0) + v(T) - 2v̄)/T, as a rule by h/T ⟨|v - v̄|⟩/2^½.
+    begins: the record does so with these samples, which tell v(0); v(T), and all that follows: see `_of_record`.
     """
-    return max(_at_ends(x, least.get(name, np.zeros(())), longer) for name, x in samples.items())
+    return max(_at_ends(x, least.get(name, np.zeros(())), longer, begins) for name, x in samples.items())
 
 
 def of_every_other(samples: Mapping[str, np.ndarray], cut: Cut, coarse: Cut) -> dict[str, Cuts]:
@@ -128,29 +131,47 @@ def _between(x: np.ndarray, cuts: Cuts | None, least: np.ndarray, longer: float)
 def _from_start(x: np.ndarray, least: np.ndarray, longer: float) -> float:
     """Means of v over a time T by samples h apart, none at its start, err by h/2 (v(T) - v(0))/T.
 
-    v(0): by the line through the first two; v(T), and all that follows these samples: as in the last of their PARTS.
+    v(0): by the line through the first two; v(T), and all that follows these samples: see `_of_record`.
     """
-    count, last = len(x), np.array_split(np.arange(len(x)), min(PARTS, len(x)))[-1]
-    start = 2 * x[0] - x[min(1, count - 1)]
-
-    def of_record(v: np.ndarray) -> np.ndarray:
-        return (v[1:].mean(axis=0) + (longer - 1) * v[1 + last].mean(axis=0)) / longer
-
-    whole = np.concatenate([start[None], x]).reshape(1 + count, -1)
-    powers = _powers(whole, of_record(whole))
-    rms, std = (np.sqrt(of_record(v)) for v in powers[1:])
-    of_rms, of_std = _scales(rms, std, np.broadcast_to(least, x.shape[1:]).ravel())
-    sizes = np.array([of_rms, 2 * rms * of_rms, 2 * std * of_std])
-    errors = np.array([np.abs(v[1 + last].mean(axis=0) - v[0]) for v in powers]) / sizes / (2 * longer * count)
-    return _largest(errors)
+    mean, powers, _, sizes = _in_record(x, least, longer)
+    first = _powers(2 * x[:1] - x[1:2] if len(x) > 1 else x, mean)
+    errors = np.array([np.abs(_end(v) - v0[0]) for v, v0 in zip(powers, first, strict=True)])
+    return _largest(errors / sizes / (2 * longer * len(x)))
 
 
-def _at_ends(x: np.ndarray, least: np.ndarray, longer: float) -> float:
+def _at_ends(x: np.ndarray, least: np.ndarray, longer: float, begins: bool) -> float:
     with np.errstate(divide="ignore", invalid="ignore"):
         mean, sizes = _sizes(x, x, least)
         usual = np.array([np.abs(v - v.mean(axis=0)).mean(axis=0) for v in _powers(x, mean)])
-        errors = usual / sizes / (np.sqrt(2) * longer * len(x))
-    return _largest(errors)
+        largest = _largest(usual / sizes / (np.sqrt(2) * longer * len(x)))
+        if begins:
+            _, powers, means, sizes = _in_record(x, least, longer)
+            errors = np.array([np.abs(v[0] + _end(v) - 2 * m) for v, m in zip(powers, means, strict=True)])
+            largest = max(largest, _largest(errors / sizes / (2 * longer * len(x))))
+    return largest
+
+
+def _end(v: np.ndarray) -> np.ndarray:
+    """v(T) (n,) of samples (m, n), and of all that follows them: the mean of the last of their PARTS."""
+    return np.asarray(np.array_split(v, min(PARTS, len(v)))[-1].mean(axis=0))
+
+
+def _of_record(v: np.ndarray, longer: float) -> np.ndarray:
+    """Means (n,) over a record `longer` times as long as samples (m, n) at its start."""
+    return np.asarray((v.mean(axis=0) + (longer - 1) * _end(v)) / longer)
+
+
+def _in_record(
+    x: np.ndarray, least: np.ndarray, longer: float
+) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray], np.ndarray]:
+    """Mean (n,) of a record that begins with these samples, their `_powers` about it, means of these there, and what
+    differences of them are to be divided by, as `_sizes` has it."""
+    mean = _of_record(x.reshape(len(x), -1), longer)
+    powers = _powers(x, mean)
+    means = [_of_record(v, longer) for v in powers]
+    rms, std = np.sqrt(means[1]), np.sqrt(means[2])
+    of_rms, of_std = _scales(rms, std, np.broadcast_to(least, x.shape[1:]).ravel())
+    return mean, powers, means, np.array([of_rms, 2 * rms * of_rms, 2 * std * of_std])
 
 
 def _largest(errors: np.ndarray) -> float:

@@ -126,6 +126,17 @@ def test_what_is_let_go_before_the_first_sample_is_missed_by_half_a_gap(damping)
     assert true > 1e-3 and np.all(np.abs(true / told - 1) < 0.3), (true, told)
 
 
+@pytest.mark.parametrize("damping", [0.02, 0.1])
+def test_a_record_that_begins_with_more_than_comes_has_half_a_gap_too_much_of_it(damping):
+    """x = 1 + exp(-δt) cos t from its first sample on, which a usual one does not tell."""
+    t, fine = np.arange(0, 200, 0.1), np.arange(0, 200, 1e-4)
+    few, many = ((1 + np.exp(-damping * t) * np.cos(t))[:, None] for t in (t, fine))
+    true = few.std() / many.std() - 1
+    told = [at_ends({"x": few[: len(few) // n]}, {}, n, begins=True) for n in (1, 2)]
+    assert true > 1e-3 and np.all(np.abs(true / told - 1) < 0.3), (true, told)
+    assert at_ends({"x": few}, {}, 1.0) < true / 3
+
+
 def test_a_start_is_forgotten_in_a_record_of_waves():
     """Let go from five times the waves' height: the less the longer the record; of the waves alone there is next to
     none."""
