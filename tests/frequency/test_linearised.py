@@ -10,6 +10,7 @@ from pytest import approx
 
 from solver.coupled.assembly import joint_law
 from solver.frequency.response import respond
+from solver.frequency.shape import excess
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.multibody.linearised import EVEN, GAUSSIAN, rest
 from solver.record.probe import UNTOLD
@@ -226,3 +227,29 @@ def test_a_stiff_damper_that_a_limit_lets_go_holds_nothing(one):
     )
     assert stiff.variables["motion"][1][0, 0, 4] > 0.2
     assert stiffer.variables["motion"][1] == approx(stiff.variables["motion"][1], rel=1e-4)
+
+
+@pytest.mark.parametrize("build", [hemisphere, pair, hinged])
+def test_a_limit_that_is_never_reached_changes_nothing(build):
+    """Nor does what linear dampers take make rates less Gaussian."""
+    item, h = given(build, {"pto_damping": 2e4, "damping": 3e4, "force_limit": 1e12}, one=False)
+    attrs = by_lines(item, h).attrs
+    assert attrs["linearisation_effect"] == approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "third"),
+    [
+        ({"damping": 1.0}, 0.0), ({"coulomb": 1.0}, -np.sqrt(2 / np.pi) / 6),
+        ({"quadratic_damping": 1.0}, np.sqrt(2 / np.pi) / 3), ({"damping": 50.0, "quadratic_damping": 1.0}, 0.2660),
+    ],
+)  # fmt: skip
+def test_the_third_cumulant_of_a_load_is_that_of_a_gaussian_rate(law, third):
+    """a₃ of |v|v, of sgn v and of none, of rates of std 1: κ = -24 a₃ H for a mobility that is the same everywhere."""
+    omega, H = np.linspace(0.001, 4.0, 200), 1e-4
+    V = np.zeros((1, omega.size), complex)
+    V[0, :40] = np.sqrt(2 / 40)  # of which three add to no more than the highest
+    item = heaving("a", 3.0, **({"pto_damping": 0.0} | law))
+    kappa = excess(joint_law((item,)), omega, V, np.full((1, omega.size), H))
+    expected = -24 * third * H
+    assert kappa == approx(expected / (1 - expected / 2) if expected < 0 else expected, rel=2e-3, abs=1e-9)

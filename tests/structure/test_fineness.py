@@ -107,6 +107,8 @@ def test_growth_that_moves_with_a_member_counts(steel):
     frame = replace(column(steel, inertia_coefficient=2.0), growth=lines)
     growth = fineness.thickest(frame, frame.ends(frame.members[0]))
     assert growth == pytest.approx([0.1, 1300.0])
+    step = (*lines[:2], MarineGrowth(depth=20.0, thickness=0.0, density=1300.0))
+    assert fineness.thickest(replace(frame, growth=step), frame.ends(frame.members[0])) == pytest.approx(growth)
     (member,), bare, whole = frame.members, np.pi / 4 * 0.5**2, np.pi / 4 * 0.7**2
     alone, grown = (by_inertia(member, member.section, 5.0, 1025.0, g) for g in (BARE, growth))
     own = steel.density * member.section.area

@@ -22,6 +22,8 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
 
     with netCDF4.Dataset(file.name, memory=file.data) as data:
         data.set_auto_mask(False)
+        if "forward_speed" in data.variables and np.any(np.asarray(data["forward_speed"][:]) != 0):
+            raise ValueError("has coefficients of bodies that sail, forward_speed is not 0: floats are at rest here")
         counted = next((d for d in FREQUENCIES if d in data.dimensions), "omega")
         omega = np.atleast_1d(np.asarray(data["omega"][:], float))
         labels, radiating = _labels(data, "influenced_dof"), _labels(data, "radiating_dof")

@@ -9,6 +9,9 @@ import scipy  # sparse is slow to import, and the command line needs scenes but 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
 
+FEW = 20  # panels, which may well have more edges that are open than others
+APART = 0.8  # of all panels' sides: of bricks half are alone, of panels that nothing joins all
+
 
 def once(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str], int]:
     """Of panels with the same corners in a file one; a note of the others, and how many were wound the other way.
@@ -26,6 +29,21 @@ def once(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarra
     walls = f"left out: {inside.sum()} panels of walls between bodies, on either side"
     notes = [text for text, some in ((note, copies), (walls, inside.any())) if some]
     return vertices, faces[np.sort(first[~inside])], notes, against
+
+
+def require_joined(vertices: np.ndarray, faces: np.ndarray, key: str, name: str) -> None:
+    """Refuse panels most of which share no edge with another: their corners do not meet."""
+    pairs, _ = surface.edges(faces)
+    _, count = np.unique(np.sort(pairs, axis=1), axis=0, return_counts=True)
+    alone = int(np.sum(count == 1))
+    if len(faces) > FEW and alone > APART * len(pairs):
+        near, _ = scipy.spatial.cKDTree(vertices).query(vertices, k=2)
+        gap = float(np.median(near[:, 1]))
+        limit = (
+            f"is open at {alone} of its {len(count)} edges: corners of panels beside each other lie {gap:.2g} m apart,"
+            f" and are joined within {surface.WELD * np.ptp(vertices, axis=0).max():.2g} m; join them where it was made"
+        )
+        raise InputError(key, name, limit)
 
 
 def _walls(vertices: np.ndarray, faces: np.ndarray, both: np.ndarray) -> np.ndarray:

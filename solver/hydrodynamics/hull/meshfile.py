@@ -24,7 +24,6 @@ WORDS = ("pnl", "hams", "nemoh", "mar")  # formats that capytaine reads, text
 HEADER = ("PROJECT", "USER", "USERS", "REFLENGTH", "RHO", "GRAVITY", "NUMPANEL")
 ROUNDING = 1e-12  # of a polygon's area: what its corners, as 64-bit numbers, span on a line
 KEY = "hull.file"
-FARTHEST = 1e5  # [m]
 
 
 def read(name: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
@@ -44,20 +43,19 @@ def read(name: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
         raise InputError(KEY, name, "has coordinates that are not finite numbers")
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(KEY, name, "has panels with corners that are no points of it")
-    if (far := float(np.abs(vertices).max())) > FARTHEST:
-        raise InputError(KEY, name, f"has a corner at {far:.3g} m, must be within {FARTHEST:g} m")
     return vertices, faces
 
 
 def _stl(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
     """Triangles, binary (50 bytes each after a count) or in words."""
     count = struct.unpack_from("<I", data, 80)[0] if len(data) >= 84 else -1
-    if len(data) == 84 + 50 * count:
+    more = len(data) - 84 - 50 * count
+    if more == 0 or (0 < more < 50 and b"facet" not in data.lower()):  # some writers pad what they write
         record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
         corners = np.frombuffer(data, record, count, 84)["corners"].astype(float)
     else:
         number = r"\s+(\S+)"
-        numbers = re.findall(r"vertex" + 3 * number, _text(data))
+        numbers = re.findall(r"vertex" + 3 * number, _text(data), re.IGNORECASE)
         if not numbers or len(numbers) % 3:
             raise ValueError(f"{len(numbers)} corners, three for each triangle are needed")
         corners = np.array(numbers, float).reshape(-1, 3, 3)
@@ -213,7 +211,7 @@ READERS = {"stl": _stl, "gdf": _gdf, "dat": _nemoh, "hst": _hydrostar, "obj": _o
 
 
 def _text(data: bytes) -> str:
-    return data.decode("utf-8", errors="replace")
+    return data.decode("utf-8-sig", errors="replace")
 
 
 def _unfolded(vertices: np.ndarray, faces: np.ndarray, x: int, y: int) -> tuple[np.ndarray, np.ndarray]:

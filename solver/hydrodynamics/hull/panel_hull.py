@@ -17,6 +17,7 @@ from solver.hydrodynamics.hull.edges import jutting
 ALIKE = 1e-5  # of the hull's size, within which a mirror image coincides with the hull, and one that is turned
 ROUND = 16  # corners on a circle of what counts as round
 
+FARTHEST = 1e5  # [m]
 LEAST = 1e-8  # of the extent cubed: volume that upright walls alone may seem to have by rounding
 
 
@@ -37,6 +38,8 @@ class PanelHull:
         """The hull of a mesh (nv, 3), (nf, 4): welded, wound outwards, and refused where it is no hull."""
         key = meshfile.KEY
         vertices, faces = np.asarray(vertices, float), np.asarray(faces)
+        if (far := float(np.abs(vertices).max(initial=0.0))) > FARTHEST:
+            raise InputError(key, name, f"has a corner at {far:.3g} m, must be within {FARTHEST:g} m; see hull.scale")
         vertices, faces, copies, against = mending.once(vertices, faces)
         # Whether the hull is symmetric or not: what is cut there has no slivers then, what is mirrored no slits.
         vertices, faces, cleaned = mending.welded(vertices, faces, [0, 1, 2])
@@ -48,6 +51,7 @@ class PanelHull:
             limit = "must reach below still water, z = 0 m: hull.origin is the file's point that comes to lie there"
             raise InputError(key, f"{name}, lowest point at z = {lowest:g} m", limit)
         told = ", ".join([name, *cleaned])
+        mending.require_joined(vertices, faces, key, told)
         given, (faces, rim, part, turned) = faces, mending.oriented(vertices, faces, key, told)
         inner = shells.within(vertices[faces], part, not len(rim), key, name)
         if inner.any():

@@ -5,8 +5,9 @@ import pytest
 from pytest import approx
 
 from solver.errors import InputError
-from solver.hydrodynamics.hull import surface
-from tests.hydrodynamics.shapes import box, hst, loose, obj, read
+from solver.hydrodynamics.hull import meshfile, surface
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from tests.hydrodynamics.shapes import box, hst, loose, obj, read, stl
 
 DEMIHULL = box((10.0, 1.5, 2.0), (0.0, 3.0, 0.0))  # 1 m of draft
 BARGE = box((4.0, 2.0, 1.0))
@@ -155,3 +156,28 @@ def test_what_is_broken_in_wavefronts_format_is_told_by_line(old, new, told):
 def test_a_format_that_is_not_known_says_what_to_install():
     with pytest.raises(InputError, match=r"xyz mesh: known are stl, .* obj, .*: pip install meshio$"):
         read("a.xyz", "nonsense")
+
+
+def test_what_writers_add_to_a_file_is_no_part_of_it():
+    """A byte-order mark, words in capitals, bytes after the last triangle; lengths in millimetres."""
+    panels = BARGE[0][BARGE[1]]
+    words, packed = stl(panels, text=True), stl(panels)
+    for name, content in {
+        "a.obj": b"\xef\xbb\xbf" + obj(*BARGE).encode(), "a.stl": words.upper(), "b.stl": packed + b"\0\0",
+    }.items():  # fmt: skip
+        hull = read(name, content)
+        assert hull.volume == approx(4.0) and hull.closed and not hull.notes, name
+    vertices, faces = meshfile.read("ship.stl", stl(1e5 * panels))
+    assert PanelHull.of(surface.placed(vertices, (0, 0, 0), (0, 0, 0), 1e-3), faces).volume == approx(4e6)
+    with pytest.raises(InputError, match=r"has a corner at 2e\+05 m, must be within 100000 m; see hull.scale"):
+        PanelHull.of(vertices, faces)
+
+
+def test_panels_that_nothing_joins_are_told_for_that():
+    """Their corners 1 mm apart, as of a surface that CAD did not sew: of a brick's bond half are open, and meet."""
+    rng = np.random.default_rng(3)
+    triangles = surface.triangles(surface.split(BARGE[0][BARGE[1]], 0.5))
+    torn = (triangles + 1e-3 * rng.normal(size=triangles.shape))[:, [0, 1, 2, 2]]
+    sides = 3 * len(torn)
+    with pytest.raises(InputError, match=f"is open at {sides} of its {sides} edges: corners .* lie 0.001.* m apart"):
+        read("torn.stl", stl(torn))

@@ -294,3 +294,19 @@ def test_a_mesh_is_shifted_turned_and_scaled():
     assert moved[0] == pytest.approx(0.003 * np.array([np.cos(b) * np.cos(c), np.cos(b) * np.sin(c), -np.sin(b)]))
     up = surface.placed(np.array([[0.0, 0, 1]]), (0, 0, 0), (a, 0, 0), 1.0)
     assert up[0] == pytest.approx([0, -np.sin(a), np.cos(a)])
+
+
+@pytest.mark.parametrize("twist", [0.02, 0.3, 0.5])
+def test_a_panel_that_is_not_plane_is_folded_at_still_water_as_everywhere(twist):
+    """A prism turned as it rises, its sides one panel each from keel to deck: the same as of triangles."""
+    angle = np.arange(4) * np.pi / 2
+    turn = np.exp(1j * np.array([[0.0], [twist]]))
+    ring = np.array([[4.0], [4.8]]) * np.exp(1j * angle) * turn
+    corners = np.stack([ring.real, ring.imag, np.broadcast_to([[-2.2], [1.7]], ring.shape)], axis=-1).reshape(-1, 3)
+    sides = [[i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4] for i in range(4)]
+    faces = np.array([*sides, [3, 2, 1, 0], [4, 5, 6, 7]])
+    folded = surface.triangles(corners[faces])[:, [0, 1, 2, 2]]
+    quads, triangles = PanelHull.of(corners, faces), PanelHull.of(*loose(folded))
+    assert quads.volume == approx(triangles.volume, rel=1e-12)
+    assert quads.waterplane == approx(triangles.waterplane, rel=1e-9, abs=1e-9)
+    assert quads.buoyancy_point == approx(triangles.buoyancy_point, abs=1e-12)

@@ -118,10 +118,10 @@ def test_places_a_hair_off_a_plane_are_on_it_for_all_that_ask(scale, off):
     """A ring of bodies laid out with 3.141592654: no body is meshed twice, and none is left out."""
     hull = Revolution.vertical_cylinder(radius=2.0 * scale, draft=2.0 * scale, freeboard=scale)
     centres = scale * np.array([[10.0, 0.0, 0.0], [-10.0, off, 0.0]])
-    mesh = Mesh.of((hull, hull), centres, ("heave",), (108, 108), 1, np.inf, lids=())
+    mesh = Mesh.build((hull, hull), centres, ("heave",), (108, 108), 1, np.inf, lids=())
     areas = mesh.whole.faces_areas
     both = [areas[mesh.bodies == b].sum() for b in (0, 1)]
-    one = Mesh.of((hull,), centres[:1], ("heave",), (108,), 1, np.inf, lids=()).whole.faces_areas.sum()
+    one = Mesh.build((hull,), centres[:1], ("heave",), (108,), 1, np.inf, lids=()).whole.faces_areas.sum()
     assert both == pytest.approx([one, one], rel=1e-9)
 
 

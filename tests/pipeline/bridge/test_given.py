@@ -282,6 +282,18 @@ def test_what_wamit_prints_after_the_exciting_forces_is_none_of_them(ours, tmp_p
     close(reading.read(attached(tmp_path / "pair.out"), RHO, G), ours, rel=1e-6)
 
 
+def test_coefficients_of_bodies_that_sail_are_refused(ours, tmp_path):
+    capytaine_file(tmp_path / "pair.nc", ours)
+    for speed in (0.0, 1.0):
+        with netCDF4.Dataset(tmp_path / "pair.nc", "a") as data:
+            variable = data["forward_speed"] if speed else data.createVariable("forward_speed", "f8", ())
+            variable[...] = speed
+        if speed == 0:
+            close(reading.read(attached(tmp_path / "pair.nc"), RHO, G), ours, rel=1e-6)
+    with pytest.raises(ValueError, match="forward_speed is not 0"):
+        reading.read(attached(tmp_path / "pair.nc"), RHO, G)
+
+
 def test_every_format_reads_back_what_was_written(ours, tmp_path):
     capytaine_file(tmp_path / "pair.nc", ours)
     bemio_file(tmp_path / "pair.h5", ours)
