@@ -18,6 +18,7 @@ from pipeline.bridge.objections import objections
 from pipeline.results.variables import COORDINATES, VARIABLES
 from pipeline.study import seas
 from pipeline.study.axes import TAKEN, Axes, Axis, told
+from pipeline.study.inherit import KINDS
 from pipeline.study.layout import HINGE
 from pipeline.study.paths import PathError, keys_at, with_value
 from pipeline.study.schema import StudyFile
@@ -191,13 +192,19 @@ def _paths(study: StudyFile) -> Iterator[InputError]:
 
 
 def _overlaps(study: StudyFile) -> Iterator[InputError]:
-    """Keys that two dimensions vary, by whatever paths; a variant's, from which axes may go on, by the same path."""
+    """Keys that two dimensions vary, by whatever paths; of a variant, from which axes may go on, what those decide.
+
+    Another shape or kind that it brings in needs all keys of its table, whatever becomes of them.
+    """
     short = [Axis(name, (), {name: ()}) for name in SHORT if getattr(study.axes, name)]
     for one, other in itertools.combinations((*study.varied, *short), 2):
+        decided = _reached(study, other)
         if one.name == "variant":
-            twice = [path for path in one.keys if path in other.keys]
+            whole = {path.rpartition(".")[0] for path in one.keys if path.rpartition(".")[2] in KINDS}
+            own = [path for path in one.keys if path.rpartition(".")[0] not in whole]
+            twice = [path for path in own if all(_within(key, decided) for key in _keys(study, path))]
         else:
-            pairs = itertools.product(_reached(study, one), _reached(study, other))
+            pairs = itertools.product(_reached(study, one), decided)
             twice = [".".join(max(a, b)) for a, b in pairs if a[: len(b)] == b[: len(a)]]
         if twice:
             along = f"{one.name} and {other.name}"
@@ -207,7 +214,16 @@ def _overlaps(study: StudyFile) -> Iterator[InputError]:
 
 def _reached(study: StudyFile, axis: Axis) -> list[tuple[str, ...]]:
     """The keys that an axis varies; one that is part of another has a longer way."""
-    return [key for path in axis.keys for key in keys_at(study, SHORT.get(path, path))]
+    return [key for path in axis.keys for key in _keys(study, path)]
+
+
+def _keys(study: StudyFile, path: str) -> Iterator[tuple[str, ...]]:
+    yield from keys_at(study, SHORT.get(path, path))
+
+
+def _within(key: tuple[str, ...], others: Iterable[tuple[str, ...]]) -> bool:
+    """Whether it is one of the others, or a part of one."""
+    return any(key[: len(other)] == other for other in others)
 
 
 def _objection(study: StudyFile, path: str, together: Mapping[str, object]) -> str:

@@ -270,13 +270,16 @@ def variant_axis(variants: Mapping[str, Variant]) -> Axis:
 
 
 def named(axes: Sequence[Axis], others: Collection[str]) -> tuple[Axis, ...]:
-    """With the name of each key: its last word, or its whole path where two would clash; others: further dimensions."""
+    """With the name of each key: its last word, or its whole path where two would clash; others: further dimensions.
+
+    `survival.Hs` is no sea's.
+    """
     lasts = {path: last(path) for axis in axes for path in axis.keys if path not in axis.partial}
     dimensions = (axis.name for axis in axes if not axis.own)
     beside = (words.partition(" ")[0] for axis in axes for words in axis.beside)
     several = (last for last, count in Counter(lasts.values()).items() if count > 1)
     taken = TAKEN.union(others, dimensions, beside, several)
-    names = {path: path if last in taken else last for path, last in lasts.items()}
+    names = {path: path if last in taken or path == "survival.Hs" else last for path, last in lasts.items()}
     return tuple(axis._replace(name=names[axis.name] if axis.own else axis.name, names=names) for axis in axes)
 
 

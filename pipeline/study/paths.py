@@ -95,7 +95,10 @@ def _below_names(node: Any, path: str, above: tuple[str, ...]) -> Iterator[tuple
     if not (path and _is_container(node)):  # the key, or a table that the study lacks
         yield *above, *filter(None, path.split("."))
         return
-    items = dict(node) if isinstance(node, Table | Mapping) else {_name(item): item for item in node}
+    if isinstance(node, Table):
+        items = {name: getattr(node, name) for name in type(node).model_fields}
+    else:
+        items = dict(node) if isinstance(node, Mapping) else {_name(item): item for item in node}
     chosen, rest = _named(list(items), path, ".".join(above))
     for name in chosen:
         yield from _below_names(items[name], rest, (*above, name))

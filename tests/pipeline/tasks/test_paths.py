@@ -503,6 +503,14 @@ def test_a_key_is_varied_along_one_dimension_whatever_stands_for_it(small, lines
     assert f" and {last}, of which the second would decide alone" in told
 
 
+def test_the_height_from_which_survival_holds_is_no_sea_s(small):
+    """An axis beside another one, with its whole path as its name: Hs is that of the seas."""
+    text = small.read_text().replace("[sea_states]", "[survival]\nHs = 0.5\n'floats.*.coulomb' = 1e9\n[sea_states]")
+    small.write_text(text)
+    content = varied(small, "'survival.Hs' = [0.3, 0.5]", "'floats.*.stiffness' = [0.0, 1e3]").content
+    assert {"survival.Hs", "stiffness"} < set(dimensions(content))
+
+
 def test_keys_with_like_names_are_varied_along_two_dimensions(small):
     """A name may have dots; and a variant may bring in what an axis then varies a part of."""
     text = small.read_text().replace("foot = [", "'foot.2' = [0.0, 0.0, -50.0]\nfoot = [")
@@ -510,8 +518,28 @@ def test_keys_with_like_names_are_varied_along_two_dimensions(small):
     small.write_text(text)
     lines = '"platform.nodes.foot" = [[-1.5, 0.0, -50.0]]', '"platform.nodes.foot.2" = [[0.0, 0.0, -49.0]]'
     assert len(varied(small, *lines).tasks) == len(load(small).tasks)
-    small.write_text(text.replace("[sea_states", "[variants.a]\n'floats.front.mass' = 2100.0\n[sea_states", 1))
-    assert "variant" in dimensions(varied(small, "'floats.*.mass' = [2000.0]").content)
+    variant = "[variants.a]\n'floats.front.hull' = { shape = 'sphere', radius = 1.0, draft = 1.0 }\n[sea_states"
+    small.write_text(text.replace("[sea_states", variant, 1))
+    assert "variant" in dimensions(varied(small, "'floats.front.hull.radius' = [1.0, 1.1]").content)
+
+
+@pytest.mark.parametrize(
+    ("key", "axis", "last"),
+    [
+        ("'floats.front.mass' = 2100.0", "'floats.*.mass' = [2000.0]", "mass"),
+        ("'floats.front.pto_damping' = 1e3", "pto_damping = [1e4, 1e5]", "pto_damping"),
+        ("'floats.*.pto_damping' = 1e3", "'floats.*.pto_damping' = [1e4]", "pto_damping"),
+        ("'floats.*.pto_efficiency' = { generating = 0.9 }",
+         "'floats.front.pto_efficiency' = [{ generating = 0.8 }, { generating = 0.7 }]", "pto_efficiency"),
+    ],
+)  # fmt: skip
+def test_what_a_variant_says_and_an_axis_decides_is_refused(small, key, axis, last):
+    """Its tasks would be those of the variants that do not say it, and tables would tell of both."""
+    lines = f"{axis}\n[variants.a]\n[variants.b]\n{key}\n[sea_states"
+    small.write_text(small.read_text().replace("[sea_states", lines, 1))
+    with pytest.raises(StudyError) as caught:
+        load(small)
+    assert f"is varied along two dimensions, variant and {last}, of which the second" in str(caught.value)
 
 
 def test_same_physics_is_the_same_task_however_it_is_said(small):
