@@ -43,6 +43,10 @@ PAIRED = (
     f" The next best has less by the mean of the differences in the same waves, in brackets {LEVEL:.0%}; undecided: 0"
     " is among these; others undecided: not of the next best but of one with less."
 )
+ALONE = (
+    " Of one realization in the time domain nothing tells by how much others differ, in which another design may be the"
+    " best: more seeds do."
+)
 OF_ERRORS = (
     " A difference that the records of two designs may be off by, by their estimated_error, is undecided as well. An"
     " end that is not decided against the number beside it is not told."
@@ -93,7 +97,7 @@ def table(data: xr.Dataset) -> Table:
     first = ("", "most power with", f"mean {OF[variable]} power [{unit}W]", "low", "high")
     second = ("next best", f"less by [{unit}W]") if _several(data) else ()
     lines = list(rows(data, variable, scale))
-    note = NOTE + PAIRED * bool(second) + OF_ERRORS * ("estimated_error" in data) + remarks(lines)
+    note = NOTE + (PAIRED if second else ALONE) + OF_ERRORS * ("estimated_error" in data) + remarks(lines)
     return Table(TITLE, (*first, *second, "realizations"), lines, note)
 
 

@@ -52,11 +52,11 @@ def shown(results: Results) -> list[tuple[str, str, float, str]]:
 
 
 def profile(results: Results, name: str, platform: str, legs: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Heights of a group of legs, and the legs averaged, in every realization that there is, (height, realization)."""
+    """Heights of a group of legs, and the largest of them in every realization that there is, (height, realization)."""
     held = results.first_of(name)  # the frequency domain has no envelopes
     part = results.values(name, sea_state=results.sea, platform=platform, **held).sel(leg=list(legs))
     rows = part.transpose("leg", "height", ...).values
-    rows = rows.reshape(*rows.shape[:2], -1).mean(axis=0)
+    rows = rows.reshape(*rows.shape[:2], -1).max(axis=0)
     rows = rows[:, np.isfinite(rows).any(axis=0)]
     nodes = np.isfinite(rows).all(axis=1)  # other legs' nodes are at other heights
     return results.data["height"].values[nodes], rows[nodes]

@@ -201,6 +201,9 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     measures = " and ".join(quantity.name for quantity in results.measures).capitalize()
     spread = f"Dots: mean over realizations; bars: least and largest. {fixed}".rstrip()
     dashed = " Dashed: the frequency domain." if dashes(results) else ""
+    of_extremes = (
+        "Lines: mean of the realizations' extremes, of legs drawn as one the largest; bands: least and largest."
+    )
     return [
         (
             "Scene",
@@ -214,7 +217,7 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         (
             "Envelopes along the legs",
-            f"Sea state {results.sea}. Lines: mean of the realizations' extremes; bands: least and largest.{of_legs}",
+            f"Sea state {results.sea}. {of_extremes}{of_legs}",
             envelopes.envelopes,
         ),
         (

@@ -182,7 +182,8 @@ def of_part(data: xr.Dataset) -> str:
     if FULL[0] <= total <= FULL[1] or np.isclose(total, WHOLE, rtol=1e-2).any():
         return ""
     kind, part = ("hours", total / YEAR) if total > DAY else ("shares", total)
-    told = f" The occurrences add up to {total:g}: if these are {kind}, they are {part:.0%} of a year, and"
+    percent = f" ({total:.0f}% if percent)" if DAY < total < WHOLE[1] else ""
+    told = f" The occurrences add up to {total:g}: if these are {kind}, they are {part:.0%} of a year{percent}, and"
     if part > 1:
         return f"{told} were scaled down to one."
     return f"{told} the rest counts as if the same seas went on; with nothing in the rest a year has that share of it."

@@ -91,6 +91,12 @@ class Range(Span):
 
     count: Annotated[Count, "How many, both ends included"]
 
+    @model_validator(mode="after")
+    def _has_both_ends(self) -> Range:
+        if self.count == 1 and self.start != self.to:
+            raise PydanticCustomError("ends", "count must be >= 2, for both ends of the range")
+        return self
+
     @property
     def values(self) -> tuple[float, ...]:
         """From the first to the last."""

@@ -432,6 +432,16 @@ def test_envelopes_average_what_is_there(results):
     np.testing.assert_array_equal(rows, expected.values[:, None])
 
 
+def test_of_legs_drawn_as_one_the_largest_counts(results):
+    """Wherever it is: their mean would say less than one of them bears."""
+    one = results.data[["stress_envelope"]]
+    other = one.assign_coords(leg=[2]) * xr.DataArray([0.5, 2.0, 0.5], dims="height")
+    both = figures.Results(study=results.study, data=xr.concat([one, other], "leg"))
+    _, rows = envelopes.profile(both, "stress_envelope", "elastic", [1, 2])
+    _, alone = envelopes.profile(both, "stress_envelope", "elastic", [1])
+    np.testing.assert_allclose(rows, alone * np.array([[1.0], [2.0], [1.0]]))
+
+
 def test_a_platform_without_floats_is_not_said_to_have_some(small):
     """Alone there is nothing to tell it from; beside one with floats it has its name."""
     bare = dataset().drop_vars(["absorbed_power", "rotation", "hinge_force"])

@@ -168,7 +168,8 @@ def test_realizations_that_failed_are_told_those_that_have_not_run_are_not():
     ("hours", "share"),
     [
         ([3000.0, 2000.0, 500.0], "63% of a year"),
-        ([20.0, 4.5], "0% of a year"),
+        ([20.0, 4.5], "0% of a year (24% if percent)"),
+        ([50.0, 35.0, 5.0], "if these are hours, they are 1% of a year (90% if percent), and the rest"),
         ([8760.0], ""),
         ([8000.0, 12000.0], "if these are hours, they are 228% of a year, and were scaled down to one."),
         ([8784.0], ""),

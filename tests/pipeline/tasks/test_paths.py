@@ -253,6 +253,7 @@ WRONG = [
     ('"water.depth" = { from = 1.0, count = 3 }', "axes.\"water.depth\" = {'from': 1.0, 'count': 3}: to: is missing"),
     ('"water.depth" = { from = 60.0, to = 70.0, step = 3 }', "a range has from, to, count and spacing, and not step"),
     ('"water.depth" = { from = -1.0, to = 1.0, count = 3, spacing = "log" }', 'needs numbers > 0'),
+    ('"water.depth" = { from = 50.0, to = 60.0, count = 1 }', 'count must be >= 2, for both ends of the range'),
     ('"solver.azimuths" = { from = 8, to = 16, count = 4 }', "must be whole numbers, and this range has 10.6666666667"),
     ("[variants.a]\naxes.seed = { from = 0, to = 1, count = 3 }", "must be whole numbers, and this range has 0.5"),
     ('"water.depth" = [50.0, 0.5]', 'axes."water.depth" = 0.5: '),
