@@ -17,6 +17,7 @@ FINE = 100  # shares of its hull's size that this way's ends are told to
 AROUND = 24  # panels round a hull of revolution
 ALONG = 6  # and along each segment of its meridian
 ACROSS = 12  # points across the smaller hull
+NEAREST = 4  # triangles near a point, of which one faces away from it where the hull holds it
 INSIDE = 0.6  # turns round a point inside another hull, or below the waterplane of one that is open; 1/2 on it
 
 Vector = tuple[float, ...]
@@ -105,12 +106,31 @@ def _overlap(a: Jointed, b: Jointed, pose: tuple[float, float]) -> bool:
     if np.any(box[0] >= other_box[1]) or np.any(other_box[0] >= box[1]):
         return False
     size = _size(a.hull, b.hull)
-    at = {item: _posed(item, _points(item.hull, size), angle) for item, angle in zip((a, b), pose, strict=True)}
-    for one, other, angle in ((a, b, pose[0]), (b, a, pose[1])):
-        near = at[other][scipy.spatial.cKDTree(at[one]).query(at[other], distance_upper_bound=2 * size)[0] < np.inf]
-        if len(near) and np.any(surface.turns_round(_posed(one, _panels(one.hull), angle), near) > INSIDE):
+    for one, other, (angle, of_other) in ((a, b, pose), (b, a, pose[::-1])):
+        points = _unposed(one, _posed(other, _points(other.hull, size), of_other), angle)
+        inside = points[_behind(one.hull, points, size)]
+        if len(inside) and np.any(surface.turns_round(_panels(one.hull), inside) > INSIDE):
             return True
     return False
+
+
+def _behind(hull: Hull, points: np.ndarray, size: float) -> np.ndarray:
+    """Which points (n, 3) are near a hull and behind any of the triangles nearest to them, as all are that it holds
+    where another cuts it: to count turns round others takes most of the time."""
+    tree, normals = _surface(hull, size)
+    apart, nearest = tree.query(points, NEAREST, distance_upper_bound=2 * size)
+    known = apart < np.inf
+    nearest = np.where(known, nearest, 0)
+    return np.any(
+        known & (np.einsum("nki,nki->nk", points[:, None] - tree.data[nearest], normals[nearest]) <= 0), axis=1
+    )
+
+
+@lru_cache(maxsize=64)
+def _surface(hull: Hull, size: float) -> tuple["scipy.spatial.cKDTree", np.ndarray]:
+    """Middles of its triangles, and normals (n, 3) there."""
+    triangles = _triangles(hull, size)
+    return scipy.spatial.cKDTree(triangles.mean(axis=1)), surface.area_vectors(triangles)
 
 
 def _posed(item: Jointed, points: np.ndarray, angle: float) -> np.ndarray:
@@ -121,6 +141,15 @@ def _posed(item: Jointed, points: np.ndarray, angle: float) -> np.ndarray:
     along = (lever @ axis)[..., None] * axis
     turned = along + np.cos(angle) * (lever - along) + np.sin(angle) * np.cross(axis, lever)
     return turned + np.array(item.hinge)
+
+
+def _unposed(item: Jointed, points: np.ndarray, angle: float) -> np.ndarray:
+    """Points (…, 3) [m] from the reference point of a hull that is turned by an angle, or shifted by as much."""
+    hinge, arm = np.array(item.hinge), np.array(item.arm)
+    if item.slides:
+        return points - angle * np.array(item.axis) - hinge - arm
+    back = item._replace(hinge=(0.0, 0.0, 0.0), arm=(0.0, 0.0, 0.0))
+    return _posed(back, points - hinge, -angle) - arm
 
 
 def _size(*hulls: Hull) -> float:
@@ -135,9 +164,14 @@ def _sides(hull: Hull) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _points(hull: Hull, size: float) -> np.ndarray:
-    """Middles and corners (n, 3) [m] of the panels' triangles, split until no side is longer than `size` [m]."""
-    triangles = surface.split(surface.triangles(_panels(hull))[:, [0, 1, 2, 2]], size)[:, :3]
+    """Middles and corners (n, 3) [m] of its triangles."""
+    triangles = _triangles(hull, size)
     return np.concatenate([triangles.mean(axis=1), np.unique(triangles.reshape(-1, 3), axis=0)])
+
+
+def _triangles(hull: Hull, size: float) -> np.ndarray:
+    """(n, 3, 3) [m] of its panels, split until no side is longer than `size` [m]."""
+    return np.asarray(surface.split(surface.triangles(_panels(hull))[:, [0, 1, 2, 2]], size)[:, :3])
 
 
 @lru_cache(maxsize=64)
