@@ -103,7 +103,8 @@ def ritz_basis(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Ritz frequencies and shapes (6n, nm), mass-normalised with M.
 
-    Static shapes of each of the loads `steady` (6n, ns), and the principal ones of the waves', `patterns` (6n, n).
+    Static shapes of each of the loads `steady` (6n, ns), and the principal ones of the waves', `patterns` (6n, n), of
+    which moments are over the frame's size.
     """
     if symmetric is None:
         principal = _principal(patterns)
@@ -111,7 +112,7 @@ def ritz_basis(
         clamped = np.setdiff1d(np.arange(len(patterns)), model.free)
         few = _principal(np.concatenate([symmetric.T @ patterns, patterns[clamped]]))
         principal = symmetric @ few[: symmetric.shape[1]]
-    load = np.concatenate([steady, principal], axis=1)
+    load = np.concatenate([steady, principal * model.arms[:, None]], axis=1)
     # Only what the kept modes lack: without this the large common part would hide the rest.
     whole = statics.static(model, load)
     rest = natural.static_remainder(kept, load, whole)

@@ -137,7 +137,7 @@ def reduce_platform(
         hinge_nodes,
         at,
         drags,
-        typical_waves(field, at),
+        typical_waves(field, at, model.size),
         planar=planar,
         modes=modes,
         outputs=outputs,
@@ -263,12 +263,12 @@ def _patterns(
 ) -> np.ndarray:
     """Nodal loads (6n, m) of waves: their inertia's, and their drag's by what else moves the water, waves or current.
 
-    Each kind as large as the others.
+    Each kind as large as the others, moments over the frame's size.
     """
     swing, drag = np.concatenate(field.swing(around.places)), drag_size(at, sea)
     sizes = [drag * around.std(swing), drag * np.linalg.norm(normal_stream(at, field), axis=1)]
     kinds = [inertial, *map(around.by_swing, sizes)]
-    loads = [real_parts(nodal_loads(model, at, kind, swing)) for kind in kinds]
+    loads = [real_parts(nodal_loads(model, at, kind, swing)) / model.arms[:, None] for kind in kinds]
     return np.concatenate([load / np.linalg.norm(load) for load in loads if load.any()] or loads, axis=1)
 
 

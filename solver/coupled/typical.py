@@ -10,24 +10,24 @@ from solver.sea.field import WaveField
 from solver.sea.realization import Realization
 from solver.structure import water
 
-OCTAVE = 2  # so many wavenumbers in it: their loads stand for those of all between
+OCTAVE = 2  # so many wavenumbers in it, counted from a length's own: their loads stand for those of all between
 KNOWN = 8  # of them that a process keeps
 
 
-def typical_waves(field: WaveField, at: water.Stations) -> WaveField:
+def typical_waves(field: WaveField, at: water.Stations, size: float) -> WaveField:
     """Waves that load stations in the patterns of all those of a sea: of a velocity of 1 m/s at the surface.
 
     Their wavenumbers are half an octave apart, and no more than turn the phase by a radian on the stations' way along
-    the heading, so that many seas have the same; a sea of fewer waves has its own.
+    the heading, so that many seas have the same; a sea of fewer waves has its own. size: of the structure [m].
     """
     k = field.k if field.sea.amplitude.any() else np.zeros(0)
     if k.size > 1:
-        first, last = np.floor(np.log2(k.min()) * OCTAVE), np.ceil(np.log2(k.max()) * OCTAVE)
+        first, last = np.floor(np.log2(k.min() * size) * OCTAVE), np.ceil(np.log2(k.max() * size) * OCTAVE)
         way = float(np.ptp(at.position @ field.direction)) if len(at.position) else 0.0
-        low, high = 2 ** (first / OCTAVE) * way, 2 ** (last / OCTAVE) * way
+        low, high = (2 ** (end / OCTAVE) * way / size for end in (first, last))
         if last - first + 1 + high - low < k.size:
             turned = np.arange(np.ceil(low), high) / way if way > 0 else np.zeros(0)
-            k = np.union1d(2 ** (np.arange(first, last + 1) / OCTAVE), turned)
+            k = np.union1d(2 ** (np.arange(first, last + 1) / OCTAVE) / size, turned)
     return _waves(tuple(k.tolist()), field.sea.heading, field.depth, field.gravity, field.current)
 
 

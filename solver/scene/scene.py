@@ -9,6 +9,7 @@ import numpy as np
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.hull.clearance import openings, reach, slips, touching
 from solver.hydrodynamics.hull.gaps import gaps
+from solver.hydrodynamics.hull.mesh import PANELS
 from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import ON_SEABED, stands
@@ -248,8 +249,12 @@ class Scene:
 
     def has_gap(self, width: float) -> bool:
         """Whether water at rest has a gap between floats, or a well, in which no circle of that diameter [m] fits."""
-        hulls = [([f.hull for f in group], np.array([f.centre for f in group])) for group in self.sharing]
-        return any(len(gaps(*group, width, width / 4)) for group in hulls)
+        for group in self.sharing:
+            hulls, centres = [f.hull for f in group], np.array([f.centre for f in group])
+            side = min(width / 4, *(np.sqrt(2 * hull.wetted_area / PANELS) for hull in hulls))
+            if len(gaps(hulls, centres, width, side)):
+                return True
+        return False
 
     def meetings(self, strokes: Mapping[str, Stroke]) -> Iterator[tuple[str, str, str]]:
         """Names of floats whose hulls meet as joints of one axis move within `strokes` [rad or m], and at which places.

@@ -51,6 +51,16 @@ class FrameModel:
         return member.section_at(((end + 1) // 2 - self.member_elements[member.name][0]) / member.elements)
 
     @property
+    def size(self) -> float:
+        """Longest side [m] of the box that holds its nodes."""
+        return float(np.ptp(self.xyz, axis=0).max())
+
+    @property
+    def arms(self) -> np.ndarray:
+        """(6n,) by which moments are loads of one unit: 1, and the frame's size [m] of those that turn."""
+        return np.where(np.arange(6 * len(self.xyz)) % 6 < 3, 1.0, self.size)
+
+    @property
     def ends(self) -> np.ndarray:
         """Places of the elements' ends (ne, 2, 3) [m]."""
         return _ends(self.xyz[self.elements], self.levers)

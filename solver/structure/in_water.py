@@ -54,7 +54,7 @@ def too_soft(model: FrameModel, at_rest: np.ndarray, factor: float) -> Iterator[
             " it; it stands here because without geometric_stiffness they do not soften it"
         )
     moved = np.linalg.norm(at_rest.reshape(-1, 6)[:, :3], axis=1)
-    worst, size = int(moved.argmax()), float(np.ptp(model.xyz, axis=0).max())
+    worst, size = int(moved.argmax()), model.size
     if moved[worst] > BENT * size:
         x, y, z = model.xyz[worst]
         yield (

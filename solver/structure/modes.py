@@ -136,7 +136,7 @@ def mirror(model: FrameModel, *others: sparse.csr_array) -> sparse.csr_array | N
     None if the frame is not symmetric: nodes must pair up, and K, M, the supports and other matrices (6n, 6n),
     such as the water's, must not change in the mirror.
     """
-    near, images = SAME_PLACE * np.ptp(model.xyz, axis=0).max(), model.xyz * [1, -1, 1]
+    near, images = SAME_PLACE * model.size, model.xyz * [1, -1, 1]
     tree = cKDTree(model.xyz)
     gap, partner = tree.query(images)
     if gap.max() > near:

@@ -51,6 +51,9 @@ def test_a_lid_that_lies_nowhere_is_told():
     assert not [text for text in warnings(item) if "gap" in text]
     wide = replace(item, settings=replace(item.settings, gap_width=0.3))
     assert "solver.gap_width: no gap or well at rest is narrower than 0.3 m, so no lid damps any" in warnings(wide)
+    for width in (0.7, 20.0, 50.0):  # of any that gaps are narrower than
+        wider = replace(item, settings=replace(item.settings, gap_width=width))
+        assert not [text for text in warnings(wider) if "gap" in text], width
     alone = replace(item, settings=replace(item.settings, interaction=False))
     assert [text for text in warnings(alone) if "gap" in text]  # the ring's own well is wider, and no other body in it
 

@@ -179,7 +179,7 @@ def many_waves(heading=0.0, components=130):
     return WaveField(Realization(omega=omega, amplitude=0.1 / omega + 0j, heading=heading), 30.0, 9.81)
 
 
-@pytest.mark.parametrize(("apart", "most"), [(8.0, 20), (45.0, 45), (200.0, 120)])
+@pytest.mark.parametrize(("apart", "most"), [(8.0, 20), (45.0, 45), (170.0, 120)])
 def test_shapes_of_typical_waves_hold_the_static_answer_to_all_waves(apart, most):
     """Fewer waves than the sea has, whose shapes serve each of its waves and its drag: of piles near or far apart, and
     a beam in the water between them, along which the phase turns."""
@@ -196,12 +196,42 @@ def test_shapes_of_typical_waves_hold_the_static_answer_to_all_waves(apart, most
     assert answers[0] == approx(answers[1], abs=3e-3 * np.abs(answers[1]).max())
 
 
+@pytest.mark.parametrize("scale", [1 / 16, 1 / 20, 30.0])
+def test_a_model_has_the_shapes_of_full_scale(scale):
+    """Their frequencies by the root of its size, as many of them: what counts as small goes by no unit."""
+    omegas = []
+    for size in (1.0, scale):
+        steel, legs = Material(E=2.1e11 * size, G=8e10 * size, density=7850.0), []
+        nodes = {"deck": (0.0, 0.3 * size, 3.0 * size), "hinge": (-1.5 * size, 0.0, 3.0 * size)}
+        for name, (x, y, z) in {"a": (-4, -3, -25), "b": (-3, 4, -20), "c": (5, 0, -25)}.items():
+            nodes[f"foot {name}"] = (x * size, y * size, z * size)
+            legs.append(
+                Member(
+                    name=name, start=f"foot {name}", end="deck", elements=2, section=tube(0.6 * size, 0.02 * size),
+                    material=steel, drag_coefficient=1.0, inertia_coefficient=2.0,
+                )
+            )  # fmt: skip
+        arm = Member(
+            name="arm", start="deck", end="hinge", elements=1, section=tube(0.4 * size, 0.02 * size), material=steel
+        )
+        feet = tuple(name for name in nodes if name.startswith("foot"))
+        frame = Frame(nodes=nodes, members=(*legs, arm), clamped=feet)
+        sea = many_waves(heading=0.5)
+        sea = replace(sea.sea, omega=sea.sea.omega / np.sqrt(size), amplitude=size * sea.sea.amplitude)
+        field, water_ = WaveField(sea, 25.0 * size, 9.81), Water(depth=25.0 * size)
+        reduced = support.reduce_platform(
+            Platform(frame=frame), field, water_, ("hinge",), planar=False, modes=4, stations=2
+        )
+        omegas.append(reduced.omega * np.sqrt(size))
+    assert omegas[1] == approx(omegas[0], rel=1e-6)
+
+
 def test_seas_of_few_waves_have_their_own_shapes():
     sea = many_waves(components=5)
     few = support.reduce_platform(Platform(frame=pile()), sea, OCEAN, (), planar=True, modes=2, stations=2)
     assert few.typical.k == approx(sea.k)
     still = replace(sea, sea=replace(sea.sea, amplitude=np.zeros(5, complex)))
-    assert typical.typical_waves(still, water.stations(assemble(pile()), 4)).k.size == 0
+    assert typical.typical_waves(still, water.stations(assemble(pile()), 4), 30.0).k.size == 0
 
 
 @pytest.mark.parametrize(("apart", "heading"), [(8.0, 0.0), (45.0, 0.7)])

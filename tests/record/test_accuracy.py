@@ -309,12 +309,12 @@ def test_a_decay_s_statistics_lack_half_of_its_first_gap(law):
     calm = replace(whole.sea, amplitude=0 * whole.sea.amplitude)
     settings = replace(whole.settings, duration=60.0, discard=0.0, time_step=0.1)
     item = replace(whole, sea=calm, floats=(replace(whole.floats[0], offset=0.2, **law),), settings=settings)
-    records = [simulate(replace(item, settings=replace(settings, time_step=dt)), h) for dt in (0.1, 0.0125)]
-    std, exact = (record.variables["rotation"][1][0, 4] for record in records)
-    told = records[0].attrs["sampling_error"]
-    assert exact > (1 + 3e-3) * std and 1 / 3 < (1 - std / exact) / told < 3
-    later = simulate(replace(item, settings=replace(settings, discard=3.0)), h).attrs["sampling_error"]
-    assert 0 < later < told / 2
+    for discard, more in ((0.0, -1), (3.0, 1)):
+        settings = replace(settings, discard=discard)
+        records = [simulate(replace(item, settings=replace(settings, time_step=dt)), h) for dt in (0.1, 0.0125)]
+        std, exact = (record.variables["rotation"][1][0, 4] for record in records)
+        true = more * (std / exact - 1)
+        assert true > 3e-3 and 1 / 3 < true / records[0].attrs["sampling_error"] < 3, discard
 
 
 def held_on_a_cylinder(scale=1.0):
@@ -421,7 +421,7 @@ def test_accelerations_of_a_frame_that_floats_shake_are_those_of_finer_steps(law
     item = replace(item, floats=tuple(replace(f, **law) for f in item.floats), settings=settings)
     finer = replace(item, settings=replace(settings, time_step=0.012, newton_tolerance=1e-9))
     told, exact = (simulate(scene, h).variables["node_acceleration"][1][..., 4] for scene in (item, finer))
-    assert told == approx(exact, rel=0.03)
+    assert told == approx(exact, rel=0.03, abs=3e-3 * exact.max())
 
 
 def errors_of(item, outputs, finer=8):

@@ -6,6 +6,7 @@ import numpy as np
 
 from solver.sea.dispersion import wavenumber, wavenumbers
 
+FADED = 20.0  # kh, at which nothing of a wave is left at the seabed
 DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see Sea.seabed_share
 
 
@@ -35,11 +36,13 @@ class Sea:
 
         Its waves fade as exp(-2kh), its images do not: both terms are measured, on hemispheres; the second is that of a
         heaving one's added mass at infinite frequency. That of a cylinder is 10 and 20 % two and 1.2 radii above the
-        seabed, told 9 and 40 %.
+        seabed, told 9 and 40 %. Or more, as damping has it of bodies that are small beside the depth: by what waves of
+        the same length and height carry away in deep water and here, tanh kh (1 + 2kh/sinh 2kh) as much.
         """
-        under = self.depth - draft
+        under, kh = self.depth - draft, k * self.depth
         slender = radius / under
-        return float(slender * (k * under) ** -2.5 + 0.7 * slender**3)
+        carried = np.tanh(kh) * (1 + 2 * kh / np.sinh(2 * kh)) - 1 if kh < FADED else 0.0
+        return float(max(slender * (k * under) ** -2.5 + 0.7 * slender**3, carried))
 
     def seabed_error(self, omega: np.ndarray, radius: float, draft: float) -> float:
         """Largest share of a coefficient that the seabed has at frequencies (nw,) where it is left out."""
