@@ -14,7 +14,7 @@ IN_PHASE = 0.5  # cosine of the phase, force-weighted: of less some convention i
 BETTER = 0.85  # of another convention that explains the difference
 DEPTHS = 24  # that are tried
 TURNS = 6  # rounds until angles agree with the added mass that they turn
-FEW = 5  # bodies whose orders are tried
+FEW = 4  # bodies whose orders are tried
 LEAST = 5.0  # degrees: of less a turn changes no force by more than it may be off
 CROSSED = (1, 0, 2, 4, 3, 5)  # motions along x and y, one for the other
 
@@ -23,8 +23,12 @@ def misfit(six: Given, floats: Floats, expected: np.ndarray) -> str:
     """Of a force that is not that of long waves, expected (nw, 6 nb) the Froude-Krylov force on the hulls."""
     long = in_long_waves(six, floats, expected)
     other = _cosine(long.told, long.fits, felt(long.fits)) < IN_PHASE
-    text = _convention(six, floats, expected, long) if other else ""
-    text = text or _slip(six, floats) or _turn(six, floats, expected, long) or _heavier(six, floats, expected, long)
+    text = (
+        (_convention(six, floats, expected, long) if other else "")
+        or _slip(six, floats, expected)
+        or _turn(six, floats, expected, long)
+        or _heavier(six, floats, expected, long)
+    )
     if text:
         return f"wave force {text}"
     return _out_of_phase(long, floats) if other else _unlike(six, long, floats)
@@ -57,9 +61,12 @@ def _backwards(six: Given) -> str:
     return f"{text}, and headings are directions that waves travel to"
 
 
-def _slip(six: Given, floats: Floats) -> str:
+def _slip(six: Given, floats: Floats, expected: np.ndarray) -> str:
     """Of the simple ones that which fits best; empty where none does."""
-    found = [(in_long_waves(other, seen), text) for other, seen, text in _slips(six, floats)]
+    found = []
+    for other, seen, text in _slips(six, floats):
+        same = seen is floats and other.omega is six.omega  # waves, whose force on the hulls takes most of the time
+        found.append((in_long_waves(other, seen, expected if same else None), text))
     fit = [(long.off, text) for long, text in found if long.rows.any() and long.off <= 1]
     return min(fit)[1] if fit else ""
 
