@@ -49,7 +49,10 @@ def imbalance(item: Float, water: Water, floats: tuple[Float, ...] = ()) -> tupl
     told = "; ".join([*([_weighed(item, borne, water)] if weighed else []), *reasons])
     if not told:
         return ()
-    return (f"floats.{item.name} is out of equilibrium: {told}. It settles before the run begins" + _odd(item, water),)
+    settles = "It settles before the run begins"
+    if weighed and not item.hull.waterplane[0] > LEVEL * item.hull.size**2:
+        settles += ", if springs or lines hold it: water does not hold what is wholly under it"
+    return (f"floats.{item.name} is out of equilibrium: {told}. {settles}" + _odd(item, water),)
 
 
 def _hung(item: Float, floats: Sequence[Float]) -> Iterator[Float]:

@@ -53,6 +53,19 @@ def test_a_preload_or_lines_that_are_the_reason_are_named():
     assert "(+0.80%); along heave a preload of " in both  # neither of which is out of balance by itself
 
 
+def test_water_does_not_hold_what_is_wholly_under_it():
+    """A box whose tether was forgotten: boundary elements would be solved for a run that finds no equilibrium."""
+    box = Float(
+        name="box", hull=fine_box((4.0, 4.0, 2.0), (0.0, 0.0, -6.0), 1.0), mass=3e4, inertia=(1e5,) * 3,
+        hinge=(0, 0, 0), motion=("heave",),
+    )  # fmt: skip
+    (told,) = imbalance(box, DEEP)
+    assert told.endswith(
+        "before the run begins, if springs or lines hold it: water does not hold what is wholly under it"
+    )
+    assert not imbalance(replace(box, mass=3.2e4), DEEP)
+
+
 def test_mass_that_balances_a_pull_is_no_reason():
     """Heave is in balance by both; surge and pitch are not, pitch by the pull or by where the weight is."""
     whole = (4e4, 0.0, -2e5, 0.0, 2e6, 0.0)
