@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+import scipy  # ndimage is slow to import, and few runs have coefficients from a file
 
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.bem import agreement
@@ -165,7 +165,9 @@ def _between(h: Hydrodynamics) -> MeshError:
     error = {"added_mass_inf": np.zeros_like(h.added_mass_inf)}
     second, fourth = _left_out(h, 2), _left_out(h, 4)
     for name, missed in second.items():
-        size, before = (maximum_filter1d(np.abs(x), 2 * BESIDE + 1, axis=0) for x in (missed, fourth[name]))
+        size, before = (
+            scipy.ndimage.maximum_filter1d(np.abs(x), 2 * BESIDE + 1, axis=0) for x in (missed, fourth[name])
+        )
         share = np.divide(size, before, out=np.ones(size.shape), where=before > size)
         error[name] = missed * np.maximum(share, SPACED)
     return MeshError(**error)

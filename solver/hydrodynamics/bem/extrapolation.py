@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median_filter
+import scipy  # ndimage is slow to import, and a run with known coefficients needs none
 
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.edges import order
@@ -83,13 +83,13 @@ def extrapolated(
 
 def _at_most(times: float, step: np.ndarray, off: np.ndarray) -> np.ndarray:
     """`off` (nw, …), but no larger than some times the largest step nearby."""
-    most = times * maximum_filter1d(np.abs(step), 2 * NEARBY + 1, axis=0, mode="nearest")
+    most = times * scipy.ndimage.maximum_filter1d(np.abs(step), 2 * NEARBY + 1, axis=0, mode="nearest")
     return np.where(np.abs(off) > most, most * np.sign(off), off)
 
 
 def _stands_out(taken: np.ndarray) -> np.ndarray:
     """Where limits take far more of the least damping (nw,) than at frequencies nearby, as irregular ones make them."""
-    nearby = median_filter(np.abs(taken), 2 * NEARBY + 1, mode="nearest")
+    nearby = scipy.ndimage.median_filter(np.abs(taken), 2 * NEARBY + 1, mode="nearest")
     return np.asarray(taken > np.maximum(FAR_MORE * nearby, UNHEARD))
 
 
