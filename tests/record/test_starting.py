@@ -77,7 +77,7 @@ def test_nothing_is_said_of_what_is_damped_nor_of_one_wave_or_none():
 
 def test_a_shape_that_moves_by_rounding_alone_lacks_nothing():
     """Yaw of a round spar, 5.6 s, next to which nothing else moves."""
-    item, _ = spar(100.0)
-    yawing = replace(item.floats[0], motion=("yaw",), stiffness=(5e3,), damping=(10.0,), quadratic_damping=(0.0,))
+    item, _ = spar(100.0, duration=60.0)
+    yawing = replace(item.floats[0], motion=("yaw",), stiffness=(5e3,), damping=(60.0,), quadratic_damping=(0.0,))
     item = replace(item, floats=(yawing,))
     assert not notes(item, known(item, 0.4, 2.5, 10))
