@@ -255,11 +255,19 @@ def new(
 
 
 @app.command()
-def keys(word: Annotated[str, typer.Argument(metavar="[WORD]", help="In a key's path or meaning")] = "") -> None:
+def keys(word: Annotated[str, typer.Argument(metavar="[WORD]", help="In a path, values or meaning")] = "") -> None:
     """What a study file may say: every key's path, unit, default, values and meaning, or of those with a WORD."""
     from pipeline.cli import reference
 
     reference.print_keys(word, out)
+
+
+@app.command()
+def outputs(word: Annotated[str, typer.Argument(metavar="[WORD]", help="In a name or meaning")] = "") -> None:
+    """What datasets may have: every output's name, unit and meaning, or of those with a WORD."""
+    from pipeline.cli import reference
+
+    reference.print_outputs(word, out)
 
 
 @app.command()

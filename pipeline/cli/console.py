@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -49,6 +50,8 @@ class Tally:
     failing: dict[str, tuple[str, list[str]]] = field(default_factory=dict)  # that of the first of those, and they
     short: int = 0  # finished tasks of which more was asked than they met
     unmet: list[str] = field(default_factory=list)  # the first of them, in words
+    odd: Counter[str] = field(default_factory=Counter)  # finished tasks by their warnings, without numbers
+    warned: dict[str, str] = field(default_factory=dict)  # the first of each, with its task
 
     @classmethod
     def of(cls, entries: Iterable[tuple[Task, Entry]]) -> Tally:
@@ -68,6 +71,11 @@ class Tally:
             self.short += 1
             if self.short <= FEW:
                 self.unmet.append(f"not met: {task.id} {task}: {entry.unmet}")
+        if entry.warnings:
+            alike = without_numbers(entry.warnings)
+            if alike in self.odd or len(self.odd) < MANY:
+                self.odd[alike] += 1
+                self.warned.setdefault(alike, f"{task.id} {task}: {entry.warnings}")
         if entry.failure:
             self._blame(task, entry.failure)
 
@@ -96,11 +104,16 @@ class Tally:
 
 
 def finish(tally: Tally, study: Study, store: Store) -> int:
-    """List what was asked and not met, and what failed, with reason; the exit status."""
+    """List what was asked and not met, what is odd, and what failed, with reason; the exit status."""
     for line in tally.unmet:
         say(line, err)
     if tally.short > FEW:
         say(f"and {tally.short - FEW} more that did not meet what was asked, as `study show` tells of each", err)
+    for alike, first in itertools.islice(tally.warned.items(), FEW):
+        others = tally.odd[alike] - 1
+        say(f"warning: {first}{f' (and {others} more)' if others else ''}", err)
+    if (more := len(tally.warned) - FEW) > 0:
+        say(f"and {more} more of other warnings, as the report tells, and `study show` of each task", err)
     for alike, (reason, tasks) in tally.failing.items():
         others = tally.failed[alike] - len(tasks)
         say(f"failed: {'; '.join(tasks)}{f' and {others} more' if others else ''}: {reason}", err)

@@ -135,11 +135,10 @@ def _both(each: xr.DataArray, at: Mapping[Hashable, int], some: xr.Dataset) -> x
     """What the difference from the best may be off by, as of independent errors: those of one kind cancel in part, but
     nothing tells how much of them. Those of a record that is both designs', as in a storm that all survive alike, do.
     """
-    best = each.isel(at, drop=True)
     if ERROR not in each.coords:
         return off(each, some)
-    differ = each != best
-    apart = (each.assign_coords({ERROR: of[ERROR].where(differ, 0.0)}) for of in (each, best))
+    differ, error = each != each.isel(at, drop=True), each[ERROR]
+    apart = (each.assign_coords({ERROR: of.where(differ, 0.0)}) for of in (error, error.isel(at, drop=True)))
     return sum(off(one, some) ** 2 for one in apart) ** 0.5
 
 

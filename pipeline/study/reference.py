@@ -42,12 +42,12 @@ def described() -> Node:
 
 
 def find(word: str = "") -> list[Key]:
-    """All keys in the order of the tables, or those with a word in path or meaning."""
+    """All keys in the order of the tables, or those with a word in path, values or meaning."""
     found: dict[tuple[str, str], Key] = {}
     for key in _below(described(), "", ""):
         place = key.path, key.meaning
         found[place] = _both(found[place], key) if place in found else key
-    return [key for key in found.values() if word.casefold() in f"{key.path} {key.meaning}".casefold()]
+    return [key for key in found.values() if word.casefold() in f"{key.path} {key.values} {key.meaning}".casefold()]
 
 
 def _both(one: Key, other: Key) -> Key:

@@ -174,7 +174,7 @@ def _reduced(
     unswung = 0.0
     if modes != "all":
         if damping is not None:
-            large = platform.frame.freedoms > natural.MOST
+            large = platform.frame.freedoms > natural.LARGE
             every = kept_modes(model, sea.density, planar, natural.MANY if large else None)[1]
             kept, unswung = with_swung(every, modes, platform, every.shapes[loaded], model, M, damping)
         unit = unit_loads(len(kept.shapes), np.concatenate([dof.ravel(), loaded]))

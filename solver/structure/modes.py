@@ -16,7 +16,7 @@ MIRROR_Y = np.array([1, -1, 1, -1, 1, -1])  # a displacement and an axial vector
 SAME_PLACE = 1e-6  # share of the frame's size within which a node and a mirror image are the same
 UNRESOLVED = 1e-10  # of the slowest mode's 1/ω²: what rounding leaves of those below is not exact
 MOST = 3000  # degrees of freedom of which all modes are made, by time as their third power, memory as their square
-MANY = 300  # of a larger one in place of all, where static shapes have what the rest would add
+LARGE, MANY = 1000, 300  # of one with more, so many in place of all, where static shapes have what the rest would add
 TOLD = 12  # lowest frequencies of a large frame, of which the dataset has six
 SAME_VALUE = 1e-9  # rounding of K and M, relative to their largest entry
 

@@ -107,7 +107,7 @@ def test_elements_that_shift_a_resonance_are_told(cut):
 def test_histories_choose_among_the_lowest_modes_of_a_large_frame(monkeypatch):
     scene = blow(30.11, cut=4, modes=2)
     usual = prepare(scene, None).support
-    monkeypatch.setattr(modes, "MOST", scene.platform.frame.freedoms - 1)
+    monkeypatch.setattr(modes, "LARGE", scene.platform.frame.freedoms - 1)
     for many, close in ((30, True), (2, False)):
         monkeypatch.setattr(modes, "MANY", many)
         support._reduced.cache_clear()

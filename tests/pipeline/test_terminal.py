@@ -66,8 +66,25 @@ class Word(str):
 
 def failures(*reasons):
     """Tasks 0, 1, ... that fail for these reasons."""
-    entries = (SimpleNamespace(state="failed", unmet="", failure=f"InputError: {reason}") for reason in reasons)
+    entries = (
+        SimpleNamespace(state="failed", unmet="", warnings="", failure=f"InputError: {reason}") for reason in reasons
+    )
     return Tally.of((Word(n), entry) for n, entry in enumerate(entries))
+
+
+def test_what_is_odd_about_records_is_told_at_the_end(capsys):
+    """Once for all that are odd in the same way, the first ways of many."""
+    said = ["std is 0.4 rad", "", "std is 0.5 rad", "other", "sea: 1", "snap"]
+    status = SimpleNamespace(provenance={})
+    entries = [SimpleNamespace(state="stale", unmet="", failure="", warnings=text, status=status) for text in said]
+    tally = Tally.of((Word(n), entry) for n, entry in enumerate(entries))
+    assert finish(tally, SimpleNamespace(path="a.toml"), Store(Path("elsewhere"), "a")) == 0
+    assert capsys.readouterr().err.splitlines() == [
+        "warning: task 0: std is 0.4 rad (and 1 more)",
+        "warning: task 3: other",
+        "warning: task 4: sea: 1",
+        "and 1 more of other warnings, as the report tells, and `study show` of each task",
+    ]
 
 
 def test_a_reason_is_told_once_with_the_first_tasks_that_it_is_of(capsys, monkeypatch):

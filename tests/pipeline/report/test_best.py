@@ -279,3 +279,13 @@ def test_what_records_of_a_storm_are_off_by_is_of_no_design_that_has_the_same_on
         data["sea_state"] == "rough"
     )
     assert "undecided" in {line[0]: line[1] for line in rows(data)}["all seas"]
+
+
+def test_a_study_may_vary_nothing_but_a_design():
+    """No sea states, no seeds, no platforms: the best is one number, beside which each other stands."""
+    data = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(sea_state=0, platform=0, seed=0)
+    rms = 2 * data.absorbed_power.assign_coords(statistic=["rms"])
+    data = xr.concat([data, xr.Dataset({"absorbed_power": rms})], "statistic")
+    for error, told in ((1e-3, "pto_damping 100000 (an end)"), (0.1, "pto_damping 100000 (undecided)")):
+        given = data.assign(estimated_error=("pto_damping", [error] * 3), status=("pto_damping", ["done"] * 3))
+        assert [line[:2] for line in table(given).lines] == [("", told)]

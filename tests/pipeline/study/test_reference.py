@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from pipeline.bridge.loading import load
 from pipeline.cli.cli import app
+from pipeline.results.variables import VARIABLES
 from pipeline.study import reference
 from pipeline.study.inherit import merged
 from pipeline.study.schema import tables, unit_of
@@ -67,8 +68,18 @@ def test_a_word_finds_keys_by_path_and_meaning():
     assert 0 < len(reference.find("damping")) < len(every) == len({(k.path, k.meaning) for k in every})
     told = CliRunner().invoke(app, ["keys", "pto_damping"])
     assert told.exit_code == 0 and "N m s/rad or N s/m" in told.output and "floats.*.mass" not in told.output
+    assert {"record.outputs"} <= {key.path for key in reference.find("section_forces")}  # among its values
     wrong = CliRunner().invoke(app, ["keys", "dampnig"])
     assert "WORD = dampnig: is in no key; did you mean damping?" in str(wrong.exception)
+
+
+def test_a_word_finds_outputs_by_name_and_meaning():
+    every = CliRunner().invoke(app, ["outputs"]).output
+    assert all(name in every for name in (*VARIABLES, "<name>_spectrum"))
+    told = CliRunner().invoke(app, ["outputs", "tension"]).output
+    assert "line_tension" in told and "absorbed_power" not in told
+    wrong = CliRunner().invoke(app, ["outputs", "absorbed_pwoer"])
+    assert "WORD = absorbed_pwoer: is in no output; did you mean absorbed_power?" in str(wrong.exception)
 
 
 def test_the_page_has_the_keys_that_there_are():
