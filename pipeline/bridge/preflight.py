@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -10,6 +11,7 @@ from pipeline.bridge.checks import MOST_NAMED
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.objections import objections
 from pipeline.bridge.sea_checks import of_sea
+from pipeline.results.status import without_numbers
 from pipeline.study.layout import HINGE
 from pipeline.study.reading import StudyError
 from pipeline.study.seas import Components, Regular, Still
@@ -17,6 +19,7 @@ from pipeline.tasks.study import Study
 from pipeline.tasks.task import Label, Parameters, Task
 
 # Sea states and seeds are judged from the file alone, each value along an axis over keys once.
+REDUCED = 8  # frames, of more
 CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
 
 
@@ -42,13 +45,32 @@ def judge(study: Study, tasks: Iterable[Task], engine: Engine) -> list[str]:
     odd: dict[str, set[str]] = {}
     every = {task.id: task for task in (*distinct.values(), *seas.values())}
     problems = [problem for task in every.values() for problem in _problems(_Listener(engine, task, odd), task)]
-    # A frame takes 0.4 s to reduce, so with the same settings one stands for all places of hinges.
-    problems = problems or [problem for task in platforms.values() for problem in _problems(engine.reduce, task)]
-    warnings = [f"{_where(study, every.values(), said, text)}{text}" for text, said in odd.items()]
+    # A frame takes 0.4 s to reduce, so with the same settings one stands for all places of hinges, and some for many.
+    problems = problems or [problem for task in _some(platforms.values()) for problem in _problems(engine.reduce, task)]
+    warnings = [f"{_where(study, every.values(), said, text)}{text}" for text, said in _alike(odd).items()]
     if problems:
         told = [*problems, *(f"warning: {text}" for text in warnings)]  # which may be why
         raise StudyError(study.path, dict.fromkeys(told))
     return warnings
+
+
+def _some(tasks: Collection[Task]) -> list[Task]:
+    """The first, the last, and as far apart between them: each task that runs looks at its own."""
+    every, last = list(tasks), len(tasks) - 1
+    return every if last < REDUCED else [every[i * last // (REDUCED - 1)] for i in range(REDUCED)]
+
+
+def _alike(odd: Mapping[str, set[str]]) -> dict[str, set[str]]:
+    """Sentences that differ in numbers alone as the first of them, said of all their tasks."""
+    first: dict[str, str] = {}
+    found: dict[str, set[str]] = {}
+    count: Counter[str] = Counter()
+    for text, said in odd.items():
+        alike = first.setdefault(without_numbers(text), text)
+        found.setdefault(alike, set()).update(said)
+        count[alike] += 1
+    return {text + f" (and {count[text] - 1} others that differ in numbers)" * (count[text] > 1): said
+            for text, said in found.items()}  # fmt: skip
 
 
 def _frame(parameters: Parameters) -> str:

@@ -48,7 +48,7 @@ def read(name: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
 
 def _stl(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
     """Triangles, binary (50 bytes each after a count) or in words."""
-    count = struct.unpack_from("<I", data, 80)[0] if len(data) >= 84 else -1
+    count = struct.unpack_from("<I", data, 80)[0] if len(data) >= 84 else 0
     more = len(data) - 84 - 50 * count
     if more == 0 or (0 < more < 50 and b"facet" not in data.lower()):  # some writers pad what they write
         record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

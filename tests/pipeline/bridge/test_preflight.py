@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.bridge import preflight
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.loading import load
 from pipeline.bridge.preflight import judge
@@ -75,3 +76,24 @@ high = { Hs = 1.5, Tp = 6.0 }
 """
     odd = told(tmp_path, seas, lambda p: ["sea: odd", "floats.sphere: odd"] * (p.sea_state.Hs == 1.5))
     assert odd == ["sea_states.high: odd", "sea_state = high: floats.sphere: odd"]
+
+
+def test_of_many_frames_some_are_reduced_before_the_run(tmp_path):
+    """Of a sweep over a leg's wall: each task that runs reduces its own."""
+    walls = ", ".join(f"{0.010 + 1e-4 * n:.4f}" for n in range(40))
+    path, reduced = tmp_path / "study.toml", []
+    axes = "[axes]\nplatform = ['elastic']\nsea_state = ['2018']\nseed = [0]"
+    path.write_text(f'base = "{STUDIES}/buan.toml"\n{axes}\n"platform.sections.leg.thickness" = [{walls}]\n')
+    study = load(path)
+    engine = replace(Engine(), judge=lambda given: [], reduce=lambda given: reduced.append(given.platform))
+    judge(study, Tasks.of(study.content), engine)
+    thickness = [table.sections["leg"].thickness for table in reduced]
+    assert len(thickness) == preflight.REDUCED and (min(thickness), max(thickness)) == (0.010, 0.0139)
+
+
+def test_warnings_that_differ_in_numbers_alone_are_one():
+    odd = {f"legs buckle at {n} times gravity": {f"task {n}"} for n in (0.4, 0.5, 0.6)} | {"other": {"task 9"}}
+    assert preflight._alike(odd) == {
+        "legs buckle at 0.4 times gravity (and 2 others that differ in numbers)": {"task 0.4", "task 0.5", "task 0.6"},
+        "other": {"task 9"},
+    }
