@@ -7,7 +7,9 @@ time [s], elevation [m]
 
 from __future__ import annotations
 
+import io
 import math
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import NamedTuple
@@ -55,6 +57,10 @@ def read(file: Attachment, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
     rows = _rows(file)
     number, header = next(rows, (1, [""]))
     places = {name: _place(file, number, header, name) for name in wanted}
+    if (table := _plain(file, number, len(header))) is not None:
+        values = {name: factor * table[:, at] for name, (at, _, factor) in places.items()}
+        if all(_allowed(title, table[:, at]) for at, title, _ in places.values()):
+            return values
     numbers: dict[str, list[float]] = {name: [] for name in wanted}
     for line, cells in rows:
         if any(cells[len(header) :]):
@@ -66,6 +72,23 @@ def read(file: Attachment, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
     if not numbers[wanted[0]]:
         raise InputError("file", file, "has a header and no numbers")
     return {name: np.array(values) for name, values in numbers.items()}
+
+
+def _plain(file: Attachment, header: int, columns: int) -> np.ndarray | None:
+    """All numbers below a header in that line, where there is nothing else: in a tenth of the time that a look at each
+    cell takes, which tells what is wrong."""
+    text = io.StringIO(file.data.decode("utf-8-sig"))
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of files without any
+            table = np.loadtxt(text, delimiter=",", skiprows=header, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    return table if table.shape[1] == columns and len(table) else None
+
+
+def _allowed(title: str, values: np.ndarray) -> bool:
+    """Whether all are numbers that a column may hold."""
+    return bool(np.all((values >= QUANTITIES[title].least) & (np.abs(values) <= LARGEST)))
 
 
 def require_rising(file: Attachment, name: str, values: np.ndarray) -> None:
