@@ -30,7 +30,7 @@ Kind = tuple[str, Label]  # method and platform
 
 
 def _rates() -> deque[float]:
-    """Wall times of a simulated second [-], or of a task in the frequency domain [s]."""
+    """Wall times over `_work` [-], or of a task in the frequency domain [s]."""
     return deque(maxlen=KEPT)
 
 
@@ -53,7 +53,8 @@ class Estimate:
             slower = SLOWER if parameters.solver.accuracy == "reference" else 1
             self.left += 1
             self.work[kind] += work
-            self.usual[kind] += work * (A_TASK if parameters.solver.method == "frequency" else slower / REAL_TIME)
+            frequency = parameters.solver.method == "frequency"
+            self.usual[kind] += A_TASK if frequency else (slower * length + ANYWAY) / REAL_TIME
             geometry = geometry_of(parameters)
             if geometry and geometry.flow and not geometry.coefficients:  # else nothing is solved
                 self.geometries.add(geometry)
@@ -71,7 +72,11 @@ class Estimate:
                 self._ran(status)
         methods = {method for method, _ in self.work}
         count = sum(len(rates) for (method, _), rates in self.past.items() if method in methods)
-        usual = f"{REAL_TIME} times real time" if "time" in methods else f"{1e3 * A_TASK:g} ms a task"
+        usual = (
+            f"{REAL_TIME} times real time and {ANYWAY / REAL_TIME:.1g} s a task"
+            if "time" in methods
+            else f"{1e3 * A_TASK:g} ms a task"
+        )
         origin = f"from {count} {source}" if count else f"at {usual}, for there is no past run"
         time = f"{about(self._seconds() / workers)} on {workers} workers, {origin}"
         known = Cache(results)

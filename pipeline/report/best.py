@@ -97,7 +97,8 @@ def table(data: xr.Dataset) -> Table:
     first = ("", "most power with", f"mean {OF[variable]} power [{unit}W]", "low", "high")
     second = ("next best", f"less by [{unit}W]") if _several(data) else ()
     lines = list(rows(data, variable, scale))
-    note = NOTE + (PAIRED if second else ALONE) + OF_ERRORS * ("estimated_error" in data) + remarks(lines)
+    alone = ALONE * ("discretization_error" in data and "Hs" in data.coords)  # of marches in random seas
+    note = NOTE + (PAIRED if second else alone) + OF_ERRORS * ("estimated_error" in data) + remarks(lines)
     return Table(TITLE, (*first, *second, "realizations"), lines, note)
 
 

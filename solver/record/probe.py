@@ -32,6 +32,7 @@ from solver.statistics import FAINT, apart, moments
 
 PROBE = 600  # usual steps of a scene: length of the run with half the step
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
+NEXT = 1e-6  # of the time between samples, that a time counts as the next one's
 FAR = 2e-5  # of what stations may leave out unseen
 UNTOLD = 1.0  # an error that no run tells
 MOTIONS = ("rotation", "motion", "top_displacement", "node_displacement")
@@ -181,10 +182,10 @@ def _ends_error(probe: Probe, samples: Mapping[str, np.ndarray]) -> float:
     system, short = probe.system, probe.recorder.scene
     if probe.state is not None:
         return statistics_error(system, short, at_ends, samples)
-    if system.scene.settings.discard == 0:
+    if 2 * system.scene.settings.discard <= NEXT * system.dt:
         return statistics_error(system, short, from_start, samples)
     count = 2 * probe.steps
-    skipped = int(np.ceil(2 * system.scene.settings.discard / system.dt - 1e-6)) - 1  # the first one after half a step
+    skipped = int(np.ceil(2 * system.scene.settings.discard / system.dt - NEXT)) - 1  # the first one after half a step
     if skipped > count / 2:
         return statistics_error(system, short, at_ends, samples)
     settings = replace(short.settings, duration=short.settings.duration * (1 - skipped / count))

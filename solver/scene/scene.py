@@ -24,6 +24,7 @@ from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 from solver.structure.tubular import may_be_utilised, resistance
 
+FINEST = 200  # shares of its width that a gap is looked for by
 MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
 STEPS = 9  # in the shortest period that a scene has to follow
 MOST_SECTIONS = 200  # members whose section forces are put out, and nodes whose accelerations are
@@ -252,6 +253,7 @@ class Scene:
         for group in self.sharing:
             hulls, centres = [f.hull for f in group], np.array([f.centre for f in group])
             side = min(width / 4, *(np.sqrt(2 * hull.wetted_area / PANELS) for hull in hulls))
+            side = max(side, width / FINEST)  # or a small body's would be laid all round a large one
             if len(gaps(hulls, centres, width, side)):
                 return True
         return False

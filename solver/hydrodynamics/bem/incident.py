@@ -37,7 +37,7 @@ class Sea:
         Its waves fade as exp(-2kh), its images do not: both terms are measured, on hemispheres; the second is that of a
         heaving one's added mass at infinite frequency. That of a cylinder is 10 and 20 % two and 1.2 radii above the
         seabed, told 9 and 40 %. Or more, as damping has it of bodies that are small beside the depth: by what waves of
-        the same length and height carry away in deep water and here, tanh kh (1 + 2kh/sinh 2kh) as much.
+        the same period and height carry away in deep water and here, tanh kh (1 + 2kh/sinh 2kh) as much.
         """
         under, kh = self.depth - draft, k * self.depth
         slender = radius / under

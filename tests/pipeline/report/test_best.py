@@ -281,6 +281,13 @@ def test_what_records_of_a_storm_are_off_by_is_of_no_design_that_has_the_same_on
     assert "undecided" in {line[0]: line[1] for line in rows(data)}["all seas"]
 
 
+def test_what_one_realization_does_not_tell_is_said_of_random_seas_alone():
+    data = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(seed=[0])
+    march = data.assign(discretization_error=1e-4)
+    for given, said in ((march.assign_coords(Hs=("sea_state", [1.0, 2.0])), True), (march, False), (data, False)):
+        assert ("more seeds do" in table(given).note) == said
+
+
 def test_a_study_may_vary_nothing_but_a_design():
     """No sea states, no seeds, no platforms: the best is one number, beside which each other stands."""
     data = dataset([4, 3.9, 1], [1, 9, 9.5]).isel(sea_state=0, platform=0, seed=0)

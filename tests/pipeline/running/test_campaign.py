@@ -934,7 +934,7 @@ def test_plan_tells_states_and_time_from_past_runs(small, cli, monkeypatch):
     assert "after 1 boundary element solutions, about 1 s; " in cli("plan", "--workers", "1")
     small.write_text(small.read_text().replace("depth = 5.0", "depth = 50.0").replace(", -5.0]", ", -50.0]"))
     small.write_text(small.read_text() + '[solver]\naccuracy = "reference"\n')
-    assert "about 3.5 h on 2 workers, at 3600 times real time" in cli("plan")
+    assert "about 2.7 h on 2 workers, at 3600 times real time" in cli("plan")
     small.write_text(small.read_text().replace('[solver]\naccuracy = "reference"\n', ""))
     small.write_text(small.read_text().replace("seed = [0, 1]", "seed = [0, 666]"))
     cli("run", "--workers", "1", "--select", "sea_state=calm", code=1)
