@@ -218,7 +218,7 @@ def _reached(study: StudyFile, axis: Axis) -> list[tuple[str, ...]]:
 
 
 def _keys(study: StudyFile, path: str) -> Iterator[tuple[str, ...]]:
-    yield from keys_at(study, SHORT.get(path, path))
+    return keys_at(study, SHORT.get(path, path))
 
 
 def _within(key: tuple[str, ...], others: Iterable[tuple[str, ...]]) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -18,8 +17,8 @@ from pipeline.study.seas import Components, Regular, Still
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Label, Parameters, Task
 
-# Sea states and seeds are judged from the file alone, each value along an axis over keys once.
 REDUCED = 8  # frames, of more
+# Sea states and seeds are judged from the file alone, each value along an axis over keys once.
 CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
 
 
@@ -62,15 +61,13 @@ def _some(tasks: Collection[Task]) -> list[Task]:
 
 def _alike(odd: Mapping[str, set[str]]) -> dict[str, set[str]]:
     """Sentences that differ in numbers alone as the first of them, said of all their tasks."""
-    first: dict[str, str] = {}
-    found: dict[str, set[str]] = {}
-    count: Counter[str] = Counter()
+    alike: dict[str, tuple[str, list[set[str]]]] = {}
     for text, said in odd.items():
-        alike = first.setdefault(without_numbers(text), text)
-        found.setdefault(alike, set()).update(said)
-        count[alike] += 1
-    return {text + f" (and {count[text] - 1} others that differ in numbers)" * (count[text] > 1): said
-            for text, said in found.items()}  # fmt: skip
+        alike.setdefault(without_numbers(text), (text, []))[1].append(said)
+    return {
+        text + f" (and {len(each) - 1} others that differ in numbers)" * (len(each) > 1): set().union(*each)
+        for text, each in alike.values()
+    }
 
 
 def _frame(parameters: Parameters) -> str:

@@ -41,17 +41,31 @@ def looked(tasks: Tasks, store: Store) -> Iterator[tuple[Task, Entry]]:
 
 
 @dataclass
+class Reasons:
+    """What is said of tasks: scenes that are alike fail alike. Each is told once, by the first of its tasks."""
+
+    counts: Counter[str] = field(default_factory=Counter)  # how many for each of the first reasons, without numbers
+    first: dict[str, tuple[str, list[str]]] = field(default_factory=dict)  # that of the first of those, and they
+
+    def see(self, task: Task, reason: str) -> None:
+        """Count one more task of which something may be said."""
+        alike = without_numbers(reason)
+        if reason and (alike in self.counts or len(self.counts) < MANY):
+            self.counts[alike] += 1
+            if self.counts[alike] <= FEW:
+                self.first.setdefault(alike, (reason, []))[1].append(f"{task.id} {task}")
+
+
+@dataclass
 class Tally:
     """What there is to say of many tasks, gathered as they pass by."""
 
     counts: Counter[str] = field(default_factory=Counter)
     other_sources: int = 0  # finished tasks from other solver sources than the present ones
-    failed: Counter[str] = field(default_factory=Counter)  # how many for each of the first reasons, without numbers
-    failing: dict[str, tuple[str, list[str]]] = field(default_factory=dict)  # that of the first of those, and they
+    failed: Reasons = field(default_factory=Reasons)
     short: int = 0  # finished tasks of which more was asked than they met
     unmet: list[str] = field(default_factory=list)  # the first of them, in words
-    odd: Counter[str] = field(default_factory=Counter)  # finished tasks by their warnings, without numbers
-    warned: dict[str, str] = field(default_factory=dict)  # the first of each, with its task
+    odd: Reasons = field(default_factory=Reasons)  # warnings of finished tasks
 
     @classmethod
     def of(cls, entries: Iterable[tuple[Task, Entry]]) -> Tally:
@@ -71,21 +85,8 @@ class Tally:
             self.short += 1
             if self.short <= FEW:
                 self.unmet.append(f"not met: {task.id} {task}: {entry.unmet}")
-        if entry.warnings:
-            alike = without_numbers(entry.warnings)
-            if alike in self.odd or len(self.odd) < MANY:
-                self.odd[alike] += 1
-                self.warned.setdefault(alike, f"{task.id} {task}: {entry.warnings}")
-        if entry.failure:
-            self._blame(task, entry.failure)
-
-    def _blame(self, task: Task, reason: str) -> None:
-        """Scenes that are alike fail alike: a reason is told once, with the first of its tasks and by its numbers."""
-        alike = without_numbers(reason)
-        if alike in self.failed or len(self.failed) < MANY:
-            self.failed[alike] += 1
-            if self.failed[alike] <= FEW:
-                self.failing.setdefault(alike, (reason, []))[1].append(f"{task.id} {task}")
+        self.odd.see(task, entry.warnings)
+        self.failed.see(task, entry.failure)
 
     @property
     def code(self) -> int:
@@ -109,16 +110,16 @@ def finish(tally: Tally, study: Study, store: Store) -> int:
         say(line, err)
     if tally.short > FEW:
         say(f"and {tally.short - FEW} more that did not meet what was asked, as `study show` tells of each", err)
-    for alike, first in itertools.islice(tally.warned.items(), FEW):
-        others = tally.odd[alike] - 1
-        say(f"warning: {first}{f' (and {others} more)' if others else ''}", err)
-    if (more := len(tally.warned) - FEW) > 0:
+    for alike, (warning, tasks) in itertools.islice(tally.odd.first.items(), FEW):
+        others = tally.odd.counts[alike] - 1
+        say(f"warning: {tasks[0]}: {warning}{f' (and {others} more)' if others else ''}", err)
+    if (more := len(tally.odd.first) - FEW) > 0:
         say(f"and {more} more of other warnings, as the report tells, and `study show` of each task", err)
-    for alike, (reason, tasks) in tally.failing.items():
-        others = tally.failed[alike] - len(tasks)
+    for alike, (reason, tasks) in tally.failed.first.items():
+        others = tally.failed.counts[alike] - len(tasks)
         say(f"failed: {'; '.join(tasks)}{f' and {others} more' if others else ''}: {reason}", err)
     count = tally.counts["failed"]
-    if unlisted := count - tally.failed.total():
+    if unlisted := count - tally.failed.counts.total():
         say(f"and {unlisted} more that `{store.command('plan', study.path)}` lists", err)
     if count:
         see, repeat = store.command("show", study.path, "TASK"), store.command("rerun", study.path, "--failed")

@@ -9,7 +9,7 @@ import numpy as np
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.hull.clearance import openings, reach, slips, touching
 from solver.hydrodynamics.hull.gaps import gaps
-from solver.hydrodynamics.hull.mesh import PANELS
+from solver.hydrodynamics.hull.mesh import PANELS, panel_side
 from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import ON_SEABED, stands
@@ -252,9 +252,9 @@ class Scene:
         """Whether water at rest has a gap between floats, or a well, in which no circle of that diameter [m] fits."""
         for group in self.sharing:
             hulls, centres = [f.hull for f in group], np.array([f.centre for f in group])
-            side = min(width / 4, *(np.sqrt(2 * hull.wetted_area / PANELS) for hull in hulls))
-            side = max(side, width / FINEST)  # or a small body's would be laid all round a large one
-            if len(gaps(hulls, centres, width, side)):
+            length = min(width / 4, *(panel_side(hull, PANELS) for hull in hulls))
+            length = max(length, width / FINEST)  # or a small body's would be laid all round a large one
+            if len(gaps(hulls, centres, width, length)):
                 return True
         return False
 

@@ -74,7 +74,7 @@ class Mesh:
                 owners.append(np.full(len(faces), b))
                 hulled.append(np.full(len(faces), i == 0))
         if gap_width > 0:
-            side = min(np.sqrt(2 * h.wetted_area / count) for h, count in zip(hulls, counts, strict=True))
+            side = min(map(meshes.panel_side, hulls, counts))
             lid = meshes.part_of(gaps(hulls, centres - origin, gap_width, side), 4 // len(mirrors))
             even = np.linspace(0, 1, refine + 1)
             pieces.append(meshes.indexed(divided(lid, even, even)))

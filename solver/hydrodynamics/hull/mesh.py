@@ -100,7 +100,7 @@ def halving(hull: PanelHull, count: int) -> Halving:
     Unless that made more than a mesh of half their sides is meant to have.
     """
     # Triangles are cut across their longest sides, which makes up to four times as many as their area asks for.
-    sizes = np.sqrt(2 * hull.wetted_area / count) * LONGER ** np.arange(8)
+    sizes = panel_side(hull, count) * LONGER ** np.arange(8)
     sizes = np.minimum(sizes, max(sizes[0], hull.waterplane_width / ACROSS_BOTTOM))
     made = [surface.split(hull.wetted, size) for size in sizes]
     best = np.argmin(np.abs(np.log(np.divide([len(panels) for panels in made], count))))
@@ -162,7 +162,7 @@ def _lattice_lid(hull: PanelHull, count: int, quarters: int) -> tuple[np.ndarray
     those that the panels resolve.
     """
     low, high = hull.box
-    size = np.sqrt(2 * hull.wetted_area / count)
+    size = panel_side(hull, count)
     across = hull.waterplane_width / ACROSS_LID
     fitted = LEAST_CELL * size < across < np.inf
     if fitted:
@@ -303,6 +303,11 @@ def _copied(points: np.ndarray, faces: np.ndarray, quarters: int) -> tuple[np.nd
     """The first quarter and its mirror images: for 2 in the plane x = 0, for 4 in y = 0 too."""
     copies = [mirrored((points, faces), sign) for sign in IMAGES[[0, 2, 1, 3][:quarters]]]
     return merged(copies)
+
+
+def panel_side(hull: Hull, count: int) -> float:
+    """Of right-angled triangles [m], as many of which are as large as the wetted surface."""
+    return float(np.sqrt(2 * hull.wetted_area / count))
 
 
 def mirror_planes(hulls: tuple[Hull, ...], centres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -169,6 +169,7 @@ def _points(hull: Hull, size: float) -> np.ndarray:
     return np.concatenate([triangles.mean(axis=1), np.unique(triangles.reshape(-1, 3), axis=0)])
 
 
+@lru_cache(maxsize=64)
 def _triangles(hull: Hull, size: float) -> np.ndarray:
     """(n, 3, 3) [m] of its panels, split until no side is longer than `size` [m]."""
     return np.asarray(surface.split(surface.triangles(_panels(hull))[:, [0, 1, 2, 2]], size)[:, :3])
