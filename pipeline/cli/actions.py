@@ -129,7 +129,7 @@ def print_table(study: Study, path: Path) -> None:
 
 
 def _table(study: Study, path: Path) -> str:
-    from pipeline.report import best, energy, life, report
+    from pipeline.report import report
     from pipeline.report.yearly import show
     from pipeline.results import dataset
 
@@ -142,8 +142,8 @@ def _table(study: Study, path: Path) -> str:
         if error := report.estimated(data):
             text = f"Estimated error of any mean, rms or std: {error}"
             out.print(text, soft_wrap=True, highlight=False, markup=False)
-        for of in (best, energy, life):
-            show(of.table(data), out)
+        for table in report.answers(data):
+            show(table, out)
     return drawn.get()
 
 

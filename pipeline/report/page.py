@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report import arrays, best, energy, envelopes, figures, life, report, series, sketch, strips
+from pipeline.report import arrays, envelopes, figures, report, series, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, png, svg
 from pipeline.report.figures import Results, short, told
@@ -78,7 +78,7 @@ def html(results: Results) -> str:
         periods=list(natural_periods(results)),
         held=_held(results),
         named=_held(results, *(dim for row in results.published for dim in row.selection)),
-        yearly=[of.table(results.data) for of in (best, energy, life)],
+        answers=report.answers(results.data),
     )
 
 

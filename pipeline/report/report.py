@@ -18,6 +18,8 @@ from rich.markup import escape
 from rich.segment import Segments
 from rich.table import Table
 
+from pipeline.report import best, energy, governing, life, yearly
+from pipeline.report.governing import COMPONENTS, unit
 from pipeline.report.units import allowed, factor
 from pipeline.report.yearly import FAILED, counted, realized
 from pipeline.results.arrays import INNER
@@ -37,7 +39,6 @@ OFF = 1 / 3  # a ratio further from 1 than this gets a star, and its sentence if
 WIDTH = 120  # characters that the table may need; a narrower terminal wraps them
 # Of the largest of a variable, whose axes may differ in unit and floats in size: less is none of theirs.
 ROUNDING = 1e-9
-COMPONENTS = "axis", "direction", "force", "moment"  # dimensions along which a mean means nothing
 ENOUGH = 20  # realizations whose range says something about one more
 COLUMNS = ("table", "label", "variable", "selection", "statistic", "value", "unit", "note")
 MORE = "more"  # what a row has beyond these
@@ -332,6 +333,11 @@ def sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
         yield f"{'; '.join(names)}: {note}"
 
 
+def answers(data: xr.Dataset) -> list[yearly.Table]:
+    """What a study is for, as far as it is of that: the best design, energy, governing seas, fatigue life."""
+    return [of.table(data) for of in (best, energy, governing, life)]
+
+
 def estimated(data: xr.Dataset) -> str:
     """What records say of the error of any mean, rms or std: the range over tasks, and whose the largest is."""
     each = data["estimated_error"].compute() if "estimated_error" in data else None
@@ -375,9 +381,8 @@ def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
             if at and not component.fillna(0.0).any() and size.max() > 0:
                 continue  # such as what leaves the plane of a scene that stays in it
             name = " ".join(map(str, (label, *at)))
-            own = [str(label) for dim, label in zip(along, at, strict=True) if dim == "axis"]
-            unit = values.attrs.get("units", "") or meaning(str(label), own).get("units", "")
+            of = unit(values, along, at)
             for statistic in values.statistic.values:
                 part = component.sel(statistic=statistic)
                 figures = (f"{float(f()):z.4g}" for f in (part.mean, part.min, part.max))
-                yield (name, str(statistic), *figures, unit)
+                yield (name, str(statistic), *figures, of)

@@ -35,7 +35,7 @@ ul.note { margin: .4rem 0 0; padding-left: 1.2rem; }
 <dt>{{ name }}</dt><dd>{{ value }}</dd>
 {% endfor %}
 </dl>
-{% for table in yearly if table.lines %}
+{% for table in answers if table.lines %}
 <h2>{{ table.title }}</h2>
 <p class="note">{{ table.note }}</p>
 <div class="wide"><table>

@@ -1,0 +1,96 @@
+"""Which sea state governs: where each load and motion of a study is largest, in which sea, and what the next has."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Hashable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.report.yearly import Table, counted, named, of_survivors, realized
+from pipeline.results.arrays import INNER
+from pipeline.results.variables import meaning
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# In this order; of what has statistics the larger of max and -min.
+OF = (
+    "rotation", "motion", "pto_force", "pto_stroke", "impact_rate", "end_stop_load", "hinge_force", "line_tension",
+    "top_displacement", "node_acceleration", "bottom_stress", "fibre_stress", "fibre_stress_top", "member_stress",
+    "utilisation", "section_force", "section_moment", "base_shear", "overturning_moment", "pile_force",
+    "reaction_force", "reaction_moment",
+)  # fmt: skip
+COMPONENTS = (
+    "axis",
+    "direction",
+    "force",
+    "moment",
+)  # along which what differs in kind has a line each, and a mean means nothing
+SEVERAL = 8  # designs that have lines of their own; of more the largest has one
+NOTHING = 1e-6  # of a variable's largest: less of another component governs nothing
+HEADER = ("", "largest of", "where", "in", "mean", "unit", "[least, largest]", "next in", "mean", "realizations")
+NOTE = (
+    "Largest magnitude in a record, mean over realizations, of the place and the sea state where that is largest; in"
+    " brackets the realizations' least and largest. Next: the same of the sea state that comes second, wherever it is"
+    " largest there. Extremes scatter: more seeds tell seas apart that are near each other."
+)
+
+
+def table(data: xr.Dataset) -> Table:
+    """Of a study with several sea states."""
+    lines = list(rows(data)) if data.sizes.get("sea_state", 1) > 1 else []
+    return Table("Governing sea states", HEADER, lines, NOTE + of_survivors(lines))
+
+
+def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
+    """Of every platform and other label, each load and motion along its components, as text."""
+    for name in OF:
+        if name not in data or "sea_state" not in data[name].dims or (name == "rotation" and "motion" in data):
+            continue
+        each = realized(data, _magnitudes(data[name].compute()))
+        designs = [dim for dim in each.dims if dim not in ("sea_state", "seed", *INNER)]
+        apart = designs if math.prod(each.sizes[dim] for dim in designs) <= SEVERAL else []
+        components = [dim for dim in COMPONENTS if dim in each.dims]
+        least = NOTHING * float(each.max())
+        for labels in itertools.product(*(each[dim].values for dim in (*apart, *components))):
+            part = each.sel(dict(zip((*apart, *components), labels, strict=True)))
+            if not float(part.max()) > least:
+                continue
+            design = ", ".join(named(*pair) for pair in zip(apart, labels, strict=False))
+            along = labels[len(apart) :]
+            yield design, " ".join(map(str, (name, *along))), *_of_part(part, unit(data[name], components, along))
+
+
+def unit(values: xr.DataArray, components: Sequence[Hashable], along: Sequence[object]) -> str:
+    """Of a component, labels `along` those dimensions: the variable's own, or that of its axis."""
+    own = [str(label) for dim, label in zip(components, along, strict=True) if dim == "axis"]
+    return str(values.attrs.get("units", "") or meaning(str(values.name), own).get("units", ""))
+
+
+def _magnitudes(values: xr.DataArray) -> xr.DataArray:
+    if "statistic" not in values.dims:
+        return abs(values)
+    return abs(values.sel(statistic=["max", "min"])).max("statistic")
+
+
+def _of_part(part: xr.DataArray, of: str) -> Iterator[str]:
+    """Where, in which sea, how much, the realizations' least and largest, the next sea, its mean, and realizations."""
+    mean = part.mean("seed") if "seed" in part.dims else part
+    places = [dim for dim in mean.dims if dim != "sea_state"]
+    by_sea = mean.max(places).fillna(-1.0)
+    first, second = np.argsort(-by_sea.values, kind="stable")[:2]
+    known = int((by_sea >= 0).sum())
+    at: dict[Hashable, int] = {"sea_state": int(first)}
+    at |= {dim: int(place) for dim, place in mean.isel(at).argmax(places).items()} if places else {}
+    there = part.isel(at)
+    yield ", ".join(named(dim, part[dim].values[at[dim]]) for dim in places if part.sizes[dim] > 1)
+    yield str(part["sea_state"].values[first]) + f" (of {known} among {by_sea.size})" * (known < by_sea.size)
+    yield f"{float(mean.isel(at)):.4g}"
+    yield of
+    low, high = (f"{float(end):.4g}" for end in (there.min(), there.max()))
+    yield f"[{low}, {high}]" if low != high else ""
+    yield from (str(part["sea_state"].values[second]), f"{float(by_sea[second]):.4g}") if known > 1 else ("-", "-")
+    yield counted(there)
