@@ -130,6 +130,8 @@ def reduce_platform(
     model = dynamic_model(platform, sea)[0]
     splash = water.DRY if platform.wave_stretching == "none" else stretching.splash(field)
     at = water.stations(model, water.EXACT, INERTIA / field.k.max())
+    if field.current is not None:
+        splash, stations = splash._replace(bends=field.current.bends), max(stations, field.current.points)
     drags = water.stations(model, stations, DRAG * field.mean_length, splash, BENT)
     return _reduced(
         platform,

@@ -104,7 +104,9 @@ class Settings:
         "Of the radiation memory's fit; left out, 5e-3 or, where that sways the motions by over 0.3 %, by their change",
     ] = None
     stations_per_element: Annotated[
-        int, Quantity(least=1, most=1000), "Points of an element at which drag is taken; in long ones of each 1/k"
+        int,
+        Quantity(least=1, most=1000),
+        "Points of an element at which drag is taken, more in a sheared current; in long ones of each 1/k",
     ] = 2
     # Wheeler's vanishes at the surface and agrees with published body-nonlinear codes in steep waves; Airy's
     # extrapolated is the Buan paper's.

@@ -49,6 +49,16 @@ class Current:
                 limit = f"must be > {above:g} m, the depth of the line before"
                 yield InputError(f"current.profile[{i}].depth", line.depth, limit)
 
+    @property
+    def bends(self) -> tuple[float, ...]:
+        """Heights [m] between which the speed is a power of the height above something."""
+        return tuple(-line.depth for line in self.profile)
+
+    @property
+    def points(self) -> int:
+        """Gauss points between those that integrate its drag on a member at rest: U² times a cubic shape."""
+        return 2 + int(np.ceil(self.exponent if not self.profile else len(self.profile) > 1))
+
     def velocity(self, z: np.ndarray, depth: float) -> np.ndarray:
         """At heights z (n,) in water of a depth [m], (n, 3) [m/s]."""
         if self.profile:

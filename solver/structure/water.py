@@ -27,11 +27,12 @@ GROWN = 5  # the same times an area and a density that change with depth (order 
 
 
 class Splash(NamedTuple):
-    """What waves wet now and then, about still water."""
+    """What waves wet now and then, about still water, and where what flows there bends."""
 
     reach: float = 0.0  # height of a crest that no wave exceeds [m]
     height: float = 0.0  # that many do: so far above and below still water pieces are short [m]
     longest: float = np.inf  # of these [m]
+    bends: tuple[float, ...] = ()  # heights [m], as those of the lines of a current's table
 
 
 DRY = Splash()
@@ -112,11 +113,12 @@ def _pieces(model: FrameModel, points: int, pieces: tuple[int, ...], splash: Spl
 def _wet(model: FrameModel, members: np.ndarray, splash: Splash = DRY) -> tuple[np.ndarray, np.ndarray]:
     """The elements (n,) of some of the members (mask) that get wet, and which part of each (n, 2).
 
-    At still water, where pieces become short, and where the growth's table has a line, it is taken in several.
+    At still water, where pieces become short, and where the growth's table or the flow has a line, it is taken in
+    several.
     """
     span = wetted_span(model, model.frame.seabed, splash.reach)
     wet = np.flatnonzero(members[model.member] & (span[:, 1] > span[:, 0]))
-    levels = [-line.depth for line in model.frame.growth]
+    levels = [*(-line.depth for line in model.frame.growth), *splash.bends]
     if splash.reach > 0:
         levels += [-splash.height, 0.0, splash.height]
     if not levels:

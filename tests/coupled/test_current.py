@@ -109,6 +109,33 @@ def test_a_pile_in_a_current_alone_rests_as_a_cantilever():
     assert np.linalg.norm(moment[:2]) == approx(q * 20.0**2 / 2)
 
 
+@pytest.mark.parametrize(
+    ("current", "rel"),
+    [
+        (
+            Current(
+                profile=tuple(CurrentSpeed(depth=d, speed=u) for d, u in ((0, 1.5), (2, 1.5), (2.5, 0.3), (20, 0.1)))
+            ),
+            1e-8,
+        ),
+        (Current(speed=1.5, exponent=1 / 7), 1e-3),  # no polynomial
+        (Current(speed=1.5, exponent=8.0), 1e-8),
+    ],
+)
+@pytest.mark.parametrize("elements", [1, 4])
+def test_a_current_sheared_between_stations_pushes_with_all_that_it_has(current, rel, elements):
+    """∫ U² dz and ∫ U² (z + d) dz, however few elements there are and wherever its table bends."""
+    scene = pile(current)
+    (leg,), frame = scene.platform.frame.members, scene.platform.frame
+    frame = replace(frame, members=(replace(leg, elements=elements),))
+    record = simulate(replace(scene, platform=replace(scene.platform, frame=frame)))
+    z = np.linspace(-20.0, 0.0, 200_001)
+    q = 0.5 * 1025.0 * 1.1 * 0.8 * np.linalg.norm(current.velocity(z, 20.0), axis=1) ** 2
+    shear, moment = (record.variables[name][1][:, 2] for name in ("base_shear", "overturning_moment"))
+    assert shear[0] == approx(np.trapezoid(q, z), rel=rel)
+    assert moment[1] == approx(np.trapezoid(q * (z + 20.0), z), rel=rel)
+
+
 def test_a_frame_let_go_in_waves_feels_their_drag_at_once():
     """Without a ramp, with no current: the march goes on from the start's accelerations."""
     system = prepare(pile(None, sea(Hs=2.0, Tp=6.0, band=(0.5, 2.0)), time_step=1e-4), None)
@@ -155,7 +182,8 @@ def test_reactions_balance_all_that_acts():
     size = surroundings.inertia_size(platform, at, ocean)
     pushed = size[:, None, None] * -1j * system.scene.sea.omega * surroundings.normal_flow(at, system.waves) @ turn.T
     total = about_origin(at.position, pushed.real.transpose(2, 0, 1))
-    drags = water.stations(model, 2, support.DRAG * system.waves.mean_length)
+    bends = water.Splash(bends=FLOW.bends)
+    drags = water.stations(model, FLOW.points, support.DRAG * system.waves.mean_length, bends)
     total += about_origin(drags.position, output.drag.transpose(0, 2, 1))
     for history in platform.load_histories:
         total += about_origin(model.xyz[[model.node_index[history.node]]], history.at(times)[:, None])
