@@ -27,6 +27,7 @@ from solver.record.spectra import bands
 from solver.scene import Scene
 
 NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of half its width
+ROUNDING = 1e-9  # of the largest load or coefficient, beside which less is none
 SLOWEST = 1e-6  # [rad/s] at which added mass is that of no frequency
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
 SHARED = 16  # points in a band's width that waves are shared between: 1e-3 of the largest by that
@@ -167,8 +168,14 @@ def moved(
     """Mean and std (n,) along the axes by a mean load (n,) and a slow one, and what has none.
 
     C x̄ = F;   cov x = ∫ H S_F Hᴴ dμ,  H = (C - μ²M - iμ(D + Y(μ)))⁻¹, of all coordinates: others follow without a
-    load of their own, as a hull held below its centre of gravity pitches.
+    load of their own, as a hull held below its centre of gravity pitches. Axes that no load reaches stay.
     """
+    driven = _driven(model, axes, mean, slow)
+    if not driven.all():
+        each = np.zeros((2, len(axes)))
+        power = slow.power[:, driven][:, :, driven]
+        *each[:, driven], unmet = moved(model, axes[driven], Y, mean[driven], slow._replace(power=power))
+        return *each, unmet
     C, D, others = model.stiffness, model.damping, np.setdiff1d(np.arange(len(model.mass)), axes)
     none, own = np.full(len(axes), np.nan), np.ix_(axes, axes)
     follow = np.linalg.pinv(C[np.ix_(others, others)]) @ C[np.ix_(others, axes)]
@@ -187,6 +194,19 @@ def moved(
     S = slow.power if slow.lines else make_interp_spline(slow.mu, slow.power, k=1)(mu)
     variance = np.einsum("kij,kjl,kil->ki", H, S, H.conj()).real
     return offset, np.sqrt(variance.sum(axis=0) if slow.lines else np.trapezoid(variance, mu, axis=0)), ""
+
+
+def _driven(model: LinearModel, axes: np.ndarray, mean: np.ndarray, slow: SlowLoad) -> np.ndarray:
+    """Which of the axes loads reach, their own or through others: yaw of a round buoy in waves along its plane is not
+    one, and need be neither held nor damped."""
+    size = np.hypot(mean, np.sqrt(np.einsum("kii->i", slow.power))) / model.length[axes]
+    reached = np.zeros(len(model.mass), bool)
+    reached[axes] = size > ROUNDING * size.max(initial=0.0)
+    each = (np.abs(A) / np.outer(model.length, model.length) for A in (model.stiffness, model.damping, model.mass))
+    coupled = sum(ROUNDING * A.max(initial=0.0) < A for A in each)
+    for _ in reached:
+        reached |= (coupled @ reached) > 0
+    return reached[axes]
 
 
 def _resolving(mu: np.ndarray, C: np.ndarray, D: np.ndarray, M: np.ndarray) -> np.ndarray:

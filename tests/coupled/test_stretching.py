@@ -98,7 +98,7 @@ def test_water_about_leaning_legs_is_that_of_the_formula(kind):
     s, drive, times = system.support.stretched, system.drive(system.series(0.1).block(0, 60)), 0.05 * np.arange(60)
     assert s.height.max() > 0
     depth, field = item.water.depth, system.waves
-    at = water.stations(assemble(item.platform.frame), 2, field.mean_length, stretching.splash(field))
+    at = water.stations(assemble(item.platform.frame), flow.points, field.mean_length, stretching.splash(field))
     normal = np.eye(3) - at.tangent[:, :, None] * at.tangent[:, None, :]
     for i in range(0, 60, 7):
         turn = np.exp(-1j * item.sea.omega * times[i])

@@ -145,7 +145,9 @@ def test_slow_drift_of_one_axis_is_that_of_all_pairs_of_waves(slowest):
     i, j = np.triu_indices(a2.size, 1)
     mu = waves.omega[j] - waves.omega[i]
     exact = np.sqrt(np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4 / np.abs(C - mu**2 * M - 1j * mu * D) ** 2))
-    model = SimpleNamespace(stiffness=np.diag([1.0, C]), damping=np.diag([1.0, D]), mass=np.diag([1.0, 0.3 * M]))
+    model = SimpleNamespace(
+        length=np.ones(2), stiffness=np.diag([1.0, C]), damping=np.diag([1.0, D]), mass=np.diag([1.0, 0.3 * M])
+    )
     slow = drift.slow_load(waves.omega, waves.amplitude, (T * a2)[:, None], 3600.0)
     level = np.sum(2 * a2[i] * a2[j] * (T[i] + T[j]) ** 2 / 4)
     assert np.trapezoid(slow.power[:, 0, 0], slow.mu) == approx(level, rel=0.01)
@@ -177,7 +179,7 @@ def test_few_waves_drift_as_their_pairs_do(omega):
     i, j = np.triu_indices(w.size, 1)
     H = 1 / np.abs(C - (w[j] - w[i]) ** 2 * M - 1j * (w[j] - w[i]) * D)
     exact = np.sqrt(np.sum(0.5 * (np.abs(a[i] * a[j]) * (T[i] + T[j]) * H) ** 2))
-    model = SimpleNamespace(stiffness=np.diag([C]), damping=np.diag([D]), mass=np.diag([M]))
+    model = SimpleNamespace(length=np.ones(1), stiffness=np.diag([C]), damping=np.diag([D]), mass=np.diag([M]))
     slow = drift.slow_load(w, a, (T * np.abs(a) ** 2)[:, None], 3600.0)
     _, std, _ = drift.moved(model, np.array([0]), afloat(np.zeros((1, 1))), np.array([1.0]), slow)
     assert std[0] == approx(exact, rel=1e-9)
@@ -187,7 +189,7 @@ def test_few_waves_of_a_spectrum_drift_as_many():
     """Waves further apart than the resonance, 0.04 rad/s, stand for others beside them."""
     M, zeta, found = 1.6e7, 0.15, []
     model = SimpleNamespace(
-        stiffness=np.diag([M * 0.04**2]), damping=np.diag([2 * zeta * 0.04 * M]), mass=np.diag([M]),
+        length=np.ones(1), stiffness=np.diag([M * 0.04**2]), damping=np.diag([2 * zeta * 0.04 * M]), mass=np.diag([M]),
     )  # fmt: skip
     for count in (24, 40, 1500):
         waves = realize(PiersonMoskowitz(Hs=3.0, Tp=8.0), components=count, band=(0.5, 2.2), seed=1)
@@ -203,8 +205,8 @@ def test_two_axes_drift_as_each_would_along_its_own():
     R, mu = np.array([[c, -s], [s, c]]), np.linspace(0, 1.0, 21)
     C, D, M, S = np.diag([4e4, 9e4]), np.diag([8e3, 2e4]), np.diag([1e6, 1.2e6]), np.diag([3e9, 5e8])
     spectrum = np.exp(-3 * mu)[:, None, None] * S
-    own = SimpleNamespace(stiffness=C, damping=D, mass=M)
-    turned = SimpleNamespace(stiffness=R @ C @ R.T, damping=R @ D @ R.T, mass=R @ M @ R.T)
+    own = SimpleNamespace(length=np.ones(2), stiffness=C, damping=D, mass=M)
+    turned = SimpleNamespace(length=np.ones(2), stiffness=R @ C @ R.T, damping=R @ D @ R.T, mass=R @ M @ R.T)
     both, none = np.arange(2), afloat(np.zeros((2, 2)))
     mean, std, _ = drift.moved(own, both, none, np.array([3e4, 1e4]), drift.SlowLoad(mu, spectrum, False))
     other, turned_std, _ = drift.moved(
@@ -216,7 +218,7 @@ def test_two_axes_drift_as_each_would_along_its_own():
 def test_axes_without_a_load_of_their_own_follow():
     """As surge and pitch of a hull held below its centre of gravity do, where both are told and one is loaded."""
     own = SimpleNamespace(
-        stiffness=np.array([[2e4, 1.8e5], [1.8e5, 4e6]]), damping=np.diag([4e3, 9e4]),
+        length=np.ones(2), stiffness=np.array([[2e4, 1.8e5], [1.8e5, 4e6]]), damping=np.diag([4e3, 9e4]),
         mass=np.array([[7e5, 9e5], [9e5, 3e7]]),
     )  # fmt: skip
     mu, none = np.linspace(0, 1.0, 21), afloat(np.zeros((2, 2)))
@@ -231,7 +233,7 @@ def test_axes_without_a_load_of_their_own_follow():
 
 def test_what_nothing_holds_or_damps_has_no_drift():
     none, slow = np.zeros((2, 2)), drift.SlowLoad(np.arange(3.0), np.ones((3, 1, 1)), False)
-    model = SimpleNamespace(stiffness=none, damping=none, mass=np.eye(2))
+    model = SimpleNamespace(length=np.ones(2), stiffness=none, damping=none, mass=np.eye(2))
     mean, std, unmet = drift.moved(model, np.array([0]), afloat(none), np.array([3.0]), slow)
     assert np.isnan([*mean, *std]).all() and "nothing holds" in unmet
     model.stiffness = np.eye(2)
@@ -239,9 +241,26 @@ def test_what_nothing_holds_or_damps_has_no_drift():
     assert mean == approx(3.0) and np.isnan(std).all() and "nothing damps" in unmet
 
 
+def test_an_axis_that_no_load_reaches_need_be_neither_held_nor_damped():
+    """Yaw of a round buoy; where it is coupled to what is loaded it counts, whatever loads it has."""
+    loaded, slow = np.diag([1.0, 0.0]), np.exp(-np.arange(3.0))[:, None, None] * np.diag([1e6, 1e-20])
+    model = SimpleNamespace(
+        length=np.array([1.0, 10.0]), stiffness=2e4 * loaded, damping=4e3 * loaded, mass=1e5 * np.eye(2)
+    )
+    of, none = drift.SlowLoad(np.arange(3.0), slow, False), afloat(np.zeros((2, 2)))
+    mean, std, unmet = drift.moved(model, np.arange(2), none, np.array([3e3, 1e-9]), of)
+    one = SimpleNamespace(length=np.ones(1), **{k: getattr(model, k)[:1, :1] for k in ("stiffness", "damping", "mass")})
+    alone = drift.moved(
+        one, np.array([0]), afloat(np.zeros((1, 1))), np.array([3e3]), of._replace(power=slow[:, :1, :1])
+    )
+    assert not unmet and mean == approx([alone[0][0], 0.0]) and std == approx([alone[1][0], 0.0]) and std[0] > 0
+    model.stiffness = model.stiffness + np.array([[0.0, 1.0], [1.0, 0.0]])
+    assert "nothing holds" in drift.moved(model, np.arange(2), none, np.array([3e3, 0.0]), of)[2]
+
+
 def test_one_wave_does_not_drift_slowly():
     slow = drift.slow_load(np.array([1.0]), np.array([1j]), np.array([[2e3, 1e3]]), 3600.0)
-    model = SimpleNamespace(stiffness=np.eye(2), damping=np.eye(2), mass=np.eye(2))
+    model = SimpleNamespace(length=np.ones(2), stiffness=np.eye(2), damping=np.eye(2), mass=np.eye(2))
     mean, std, unmet = drift.moved(model, np.arange(2), afloat(np.zeros((2, 2))), np.array([2e3, 1e3]), slow)
     assert mean == approx([2e3, 1e3]) and std == approx([0.0, 0.0]) and not unmet
 
