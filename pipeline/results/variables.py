@@ -141,7 +141,7 @@ VARIABLES = {
     "law_effect": Meaning("1", "Relative error by the tables of power take-offs' laws, of runs with finer ones"),
     "drag_effect": Meaning("1", "Relative error by what the members' linear drag leaves out, in the frequency domain"),
     "linearisation_effect": Meaning(
-        "1", "Relative error by what linear damping leaves of the joints' loads, in the frequency domain"
+        "1", "Relative error by what linear loads leave of those of joints and lines, in the frequency domain"
     ),
     "rotation_effect": Meaning(
         "1", "Relative error by arms' exact rotation, also at resonances below the waves, in the frequency domain"

@@ -298,10 +298,11 @@ class Case:
         held = self.model.floats[0, : self.system.structure.carrier.shape[0]]
         return np.asarray(-held @ (self.model.shape @ x))
 
-    def shift(self, load: np.ndarray) -> np.ndarray:
-        """C⁻¹ f (n,) of a steady load (n,); what nothing holds stays where it is."""
-        pulled = np.append(load, np.zeros(len(self._held) - load.size))
-        return np.linalg.solve(self._held, pulled)[: load.size]
+    def shift(self, load: np.ndarray, more: np.ndarray | float = 0.0) -> np.ndarray:
+        """C⁻¹ f (n,) of a steady load (n,), with more stiffness (n, n); what nothing holds stays where it is."""
+        pulled, held, n = np.append(load, np.zeros(len(self._held) - load.size)), self._held.copy(), load.size
+        held[:n, :n] += more
+        return np.linalg.solve(held, pulled)[:n]
 
     @cached_property
     def _held(self) -> np.ndarray:

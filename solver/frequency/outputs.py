@@ -8,6 +8,7 @@ import numpy as np
 from solver.frequency import gaussian
 from solver.frequency.bent import absorbed_table, borne_table, pto_load, rate_load
 from solver.frequency.case import Case
+from solver.frequency.catenaries import slopes, tension_table
 from solver.frequency.response import Response
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
@@ -15,7 +16,6 @@ from solver.record.channels import ELEVATION, Labelled
 from solver.scene import DOFS
 from solver.statistics import STATISTICS
 
-NEAR = 1e-4  # [m or rad] from equilibrium, where slopes are taken
 Output = tuple[str, np.ndarray, np.ndarray]  # name, mean (…), lines (nl, …)
 
 
@@ -110,6 +110,9 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
 def of_squares(case: Case, response: Response, platform: OfPlatform, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:
     """Name and statistics of what no line makes."""
     scene, channels = case.system.scene, case.channels
+    if channels.lines:
+        z = case.system.equilibrium[0] + case.model.shape @ response.mean.x
+        yield "line_tension", tension_table(case, response.Z, z)
     if scene.floats:
         pto, rates, bends = response.pto, rate_lines(case, response), response.bends & ~response.stuck
         owned = [channels.owner == b for b in range(len(scene.floats))]
@@ -164,9 +167,7 @@ def outputs(case: Case, response: Response) -> Iterator[Output]:
             yield "pto_force", level, lines
         yield "hinge_force", channels.hinge_force(still[None])[0], channels.hinge_force(response.wrench)
         if channels.lines:
-            either = (channels.line_tension(system.bodies, z + way * NEAR * np.eye(z.size)) for way in (1, -1))
-            slope = np.subtract(*either) / (2 * NEAR)
-            yield "line_tension", channels.line_tension(system.bodies, z[None])[0], response.Z @ slope
+            yield "line_tension", channels.line_tension(system.bodies, z[None])[0], response.Z @ slopes(case, z)
 
 
 def platform_outputs(case: Case, response: Response, platform: OfPlatform) -> Iterator[Output]:

@@ -33,6 +33,7 @@ from solver.coupled.linear import KNOWN as MODELS
 from solver.coupled.linear import jacobian, of_waves
 from solver.coupled.system import Resting, known_differences
 from solver.frequency.case import KNOWN, NARROW, Case
+from solver.frequency.catenaries import held, without_lines
 from solver.frequency.drag_effect import Effect
 from solver.frequency.gaussian import covariance
 from solver.frequency.harmonics import BelowWaves, turning_effect
@@ -73,8 +74,8 @@ class _Swinging(NamedTuple):
 
 
 def turned(case: Case, response: Response) -> Response:
-    """With what it adds to the means; where no joint turns, nothing."""
-    if not _turning(case.system.resting).angles.any():
+    """With what it adds to the means; where no joint turns and no line holds, nothing."""
+    if not (_turning(case.system.resting).angles.any() or case.channels.lines):
         return response
     (x, wrench, carried), was = mean_shift(case, response), response.mean
     mean = was._replace(x=was.x + x, wrench=was.wrench + wrench, carried=was.carried + carried)
@@ -89,20 +90,30 @@ def mean_shift(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray, 
     nz, n = turning.angles.size, states.shape[1]
     together = covariance(states, np.concatenate([states, borne.reshape(len(borne), -1)], axis=1))
     load, wrench = _in_still_water(resting, together[:, :n])
+    of_lines = held(case, response.Z, case.system.equilibrium[0]) if case.channels.lines else None
+    if of_lines is not None:  # far from quadratic
+        load, wrench = load + of_lines.load, wrench + of_lines.wrench
     slopes = known_differences(resting).wrench.reshape(3, -1, nz).swapaxes(1, 2).reshape(n, -1)
     of_waves = together[:nz, n:] - together[:nz, :n] @ slopes  # ⟨zᵢ W'⟩
     load += np.tensordot(of_waves, turning.levers.reshape(nz, -1, nz), 2)
     wrench += np.einsum("ibrs,ibs->br", turning.directions, of_waves.reshape(nz, -1, 6))
-    x = case.shift(model.shape.T @ load)
+    if of_lines is None:
+        x = case.shift(model.shape.T @ load)
+    else:
+        x = case.shift(model.shape.T @ load, model.shape.T @ of_lines.stiffness @ model.shape)
+        load -= of_lines.stiffness @ model.shape @ x
+        wrench += of_lines.slope @ model.shape @ x
     on_carriers = case.carried_by(x)
     return x, wrench + model.wrench[0] @ x, on_carriers + load[: on_carriers.size]
 
 
 def _in_still_water(resting: Resting, of_states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """½ Σᵢⱼ ⟨sᵢsⱼ⟩ ∂ᵢ∂ⱼ of JᵀW (nz,) and W (nb, 6), along principal directions of the covariance of s (3nz, 3nz)."""
+    """½ Σᵢⱼ ⟨sᵢsⱼ⟩ ∂ᵢ∂ⱼ of JᵀW (nz,) and W (nb, 6) but for lines', along principal directions of the covariance of s
+    (3nz, 3nz)."""
     body, _, z = resting.value
     variance, ways = np.linalg.eigh(of_states)
     used = variance > ROUNDING * variance.max(initial=0.0)
+    body = without_lines(body)
     sides = NEAR * np.concatenate([ways[:, used].T, -ways[:, used].T, np.zeros((1, len(ways)))])
     at, rate, acceleration = np.split(sides, 3, axis=-1)
     half, n = variance[used] / (2 * NEAR**2), int(used.sum())

@@ -8,6 +8,7 @@ import numpy as np
 from solver.coupled.assembly import joint_law
 from solver.frequency import drift, gaussian
 from solver.frequency.case import Case, case_of
+from solver.frequency.catenaries import lines_effect
 from solver.frequency.drag_effect import drag_effect
 from solver.frequency.outputs import (
     OfPlatform,
@@ -71,13 +72,14 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     elements = elements_effect(scene, hydrodynamics, support)
     of_drag = drag_effect(case, response, *frame, tables)
     slipping = _stopped(case, law, response) if response.stuck.any() else []
+    of_lines = lines_effect(case, law, response, tables["line_tension"]) if channels.lines else 0.0
     errors = {
         "mesh_effect": mesh,
         "shapes_effect": shapes,
         "elements_effect": elements,
         "law_effect": _law_effect(case, response, scene),
         "drag_effect": of_drag.error,
-        "linearisation_effect": UNTOLD if slipping else response.linearisation_effect,
+        "linearisation_effect": UNTOLD if slipping else max(response.linearisation_effect, of_lines),
         "rotation_effect": (turning := rotation_effect(case, law, response, frame, tables)).error,
     }
     errors["estimated_error"] = together(errors.values())
