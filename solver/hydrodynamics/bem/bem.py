@@ -29,6 +29,7 @@ __all__ = [
 ]  # fmt: skip
 
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
+ACTIVE = 0.02  # of the largest of A + iB/ω: less of negative damping is a mesh's error
 NEGATIVE = -0.1  # least eigenvalue of A∞, scaled to a diagonal of 1: far below what errors of meshes leave, 0.06 to 1
 
 
@@ -118,7 +119,27 @@ def _limits(problem: Problem, solutions: list[Solution]) -> tuple[list[np.ndarra
     if plates and len(solutions) <= len(HALVED):
         left = of_plates(plates, left, best)
     _require_positive(problem, best[1], lengths, body)
+    _require_damped(problem, best[0], lengths, body)
+    own = np.arange(len(body))
+    off, less = left[0].imag[:, own, own], -best[0].imag[:, own, own]
+    left[0].imag[:, own, own] = np.where(np.abs(off) < less, less, off)  # damping less than none is off by that
     return best, left
+
+
+def _require_damped(problem: Problem, impedance: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> None:
+    """Refuse A + iB/ω (nw, n, n) of a motion that takes power from the waves it radiates at most frequencies."""
+    own = np.einsum("wii->wi", impedance)
+    size = np.abs(own).max(axis=0)
+    active = (np.mean(own.imag < 0, axis=0) > 0.5) & (own.imag.min(axis=0) < -ACTIVE * size)
+    for i in np.flatnonzero(active & radiates(size, lengths, body)):
+        w = int(own[:, i].imag.argmin())
+        what = f"damping of {problem.dofs[i % len(problem.dofs)]} is negative at {np.sum(own[:, i].imag < 0)} of"
+        what += (
+            f" {len(own)} frequencies, most at {problem.omega[w]:.4g} rad/s ({problem.omega[w] * own[w, i].imag:.3g})"
+        )
+        raise InputError(
+            "hulls", body_name(problem.hulls, body[i]), f"{what}: is it a film of water beside its panels?"
+        )
 
 
 def _require_positive(problem: Problem, infinite: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> None:

@@ -15,8 +15,10 @@ from solver.hydrodynamics.bem.coefficients import MeshError
 from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.sea.dispersion import wavenumber
+from tests.hydrodynamics import shapes
 
 REFERENCE = Path(__file__).parents[2] / "published"
 FLOAT = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -454,3 +456,22 @@ def test_where_the_limit_alone_is_negative_among_its_neighbours_the_finest_mesh_
     fine, one = (x._replace(impedance=x.impedance + 0.5j) for x in (fine, one))  # nothing is negative then
     (impedance, *_), _ = bem.extrapolated([fine, one], (2, 1), (np.ones(1), np.zeros(1, int)))
     assert impedance[2, 0, 0].imag == pytest.approx(0.51 - 0.39 / 3)
+
+
+def test_damping_that_a_film_of_water_makes_negative_is_refused():
+    """A box a hair beneath still water: no panels resolve what is above it, and finer ones agree on a wrong sign."""
+    box = PanelHull.of(*shapes.box((4, 3, 2), (0, 0, -1.001)))
+    with pytest.raises(InputError, match=r"damping of heave is negative at 3 of 3 frequencies.*film of water"):
+        solve((box,), np.zeros((1, 3)), depth=np.inf, omega=np.array([1.2, 1.8, 2.4]), panels=SMALL)
+
+
+def test_damping_below_zero_is_off_by_that_at_least():
+    """Of meshes that agree on it at one frequency of three."""
+    problem = bem.Problem.of((FLOAT,), np.zeros((1, 3)), depth=np.inf, omega=np.array([1.0, 2.0, 3.0]), panels=SMALL)
+    damping = np.array([-0.05, 0.5, 0.4])
+    made = bem.Solution(
+        np.eye(3) * (1 + 1j * damping[:, None, None]), np.eye(3), np.ones((3, 1, 3)), np.ones((3, 0, 0)), 0.0, 400
+    )
+    _, left = bem._limits(problem, [made] * len(problem.divisions))
+    off = np.abs(np.einsum("wii->wi", left[0]).imag)
+    assert off[0] == pytest.approx(np.full(3, 0.05)) and off[1:].max() < 0.01
