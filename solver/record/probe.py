@@ -33,6 +33,7 @@ from solver.statistics import FAINT, apart, moments
 PROBE = 600  # usual steps of a scene: length of the run with half the step
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
 NEXT = 1e-6  # of the time between samples, that a time counts as the next one's
+NEARLY = 1e-3  # of a record, that is no whole number of periods or samples
 FAR = 2e-5  # of what stations may leave out unseen
 UNTOLD = 1.0  # an error that no run tells
 MOTIONS = ("rotation", "motion", "top_displacement", "node_displacement")
@@ -184,13 +185,26 @@ def _ends_error(probe: Probe, samples: Mapping[str, np.ndarray]) -> float:
         return statistics_error(system, short, at_ends, samples)
     if 2 * system.scene.settings.discard <= NEXT * system.dt:
         return statistics_error(system, short, from_start, samples)
+    share = system.scene.settings.duration / short.settings.duration
+    if share < 1:  # of the waves' start nothing is the record's, and it has less to be off by its ends of
+        if _of_whole_periods(system):
+            return 0.0
+        return statistics_error(system, short, lambda x, least, _: at_ends(x, least, share), samples)
     count = 2 * probe.steps
-    skipped = int(np.ceil(2 * system.scene.settings.discard / system.dt - NEXT)) - 1  # the first one after half a step
+    skipped = int(2 * system.scene.settings.discard / system.dt + NEXT)  # the first one is after half a step
     if skipped > count / 2:
         return statistics_error(system, short, at_ends, samples)
     settings = replace(short.settings, duration=short.settings.duration * (1 - skipped / count))
     rest = {name: x[skipped:] for name, x in samples.items()}
     return statistics_error(system, replace(short, settings=settings), partial(at_ends, begins=True), rest)
+
+
+def _of_whole_periods(system: System) -> bool:
+    """Whether the record of a single wave ends as it begins, and samples fill it."""
+    sea, duration = system.scene.sea, system.scene.settings.duration
+    omega = sea.omega[np.abs(sea.amplitude) > 0]
+    counts = duration * np.append(omega / (2 * np.pi), 2 / system.dt)
+    return omega.size == 1 and bool(np.all(np.abs(counts - np.round(counts)) < NEARLY * counts))
 
 
 def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:

@@ -20,10 +20,10 @@ from solver.record.refit import prepared
 from solver.record.sampling import least_force
 from solver.run import simulate
 from solver.scene import MOST_PANELS, PANELS, EndStops, Float, Water, panels_for, two_digits
-from solver.sea.realization import Realization
+from solver.sea.realization import Realization, regular
 from solver.statistics import FAINT, apart
 from solver.structure.load_history import LoadHistory
-from tests.awkward import SCENES, known, raking, sea, unequal_legs
+from tests.awkward import SCENES, known, model_scale, raking, sea, unequal_legs
 from tests.awkward import scene as awkward_scene
 from tests.hydrodynamics.shapes import meshed
 
@@ -460,3 +460,27 @@ def test_a_load_history_is_judged_where_it_bends_most():
     true, attrs = errors_of(struck, ["top_displacement", "base_shear"])
     assert attrs["estimated_error"] > 3 * simulate(item).attrs["estimated_error"]
     assert 1 / 3 < true / attrs["estimated_error"] < 3
+
+
+@pytest.mark.parametrize(
+    ("periods", "step"),
+    [(2.0, None), (2.3, None), (2.0, 0.11)],
+    ids=["whole", "cut", "not filled"],
+)
+def test_the_ends_of_a_record_that_is_short_beside_what_it_discards_are_told(periods, step):
+    """Mean, rms and std of motion and power against those of 400 steps, at any phase: here of a model's float."""
+    item, h = model_scale()
+    period, worst, told = 2.3, 0.0, 0.0
+    settings = replace(item.settings, duration=periods * period, discard=46.0, ramp=7.0, froude_krylov="linear")
+    for phase in (0.0, 0.8, 1.6, 2.4):
+        waves = regular(height=0.01, period=period, phase=phase)
+        ours, fine = (
+            simulate(replace(item, sea=waves, settings=replace(settings, time_step=dt)), h)
+            for dt in (step, settings.duration / 400)
+        )
+        told = max(told, ours.attrs["sampling_error"] + ours.attrs["discretization_error"])
+        for name in ("rotation", "absorbed_power"):
+            x, exact = (record.variables[name][1][0] for record in (ours, fine))
+            worst = max(worst, *np.abs(x[2:] - exact[2:]) / exact[[3, 3, 4]])
+    assert told / 3 < worst < 3 * told
+    assert (worst < 2e-3) == (periods == 2.0 and step is None)
