@@ -66,6 +66,7 @@ def canvas(width: float, height: float) -> Figure:
 def svg(figure: Figure) -> str:
     """A figure as a data URI: its ids are apart from those of other figures on the page."""
     buffer = io.BytesIO()
+    _literal(figure)
     figure.savefig(buffer, format="svg", metadata={"Date": None})
     return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()
 
@@ -73,8 +74,20 @@ def svg(figure: Figure) -> str:
 def png(figure: Figure, dpi: float = 100.0) -> bytes:
     """A figure as pixels."""
     buffer = io.BytesIO()
+    _literal(figure)
     figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
     return buffer.getvalue()
+
+
+def _literal(figure: Figure) -> None:
+    """Have texts drawn as they are: those of users may have a $ or two. Powers of ten along an axis are formulas."""
+    from matplotlib.text import Text
+
+    scales = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+    marks = {axis: axis.get_ticklabels(which="both") for axis in scales}  # made now, where they have not been
+    powers = {mark for axis, some in marks.items() if axis.get_scale() == "log" for mark in some}
+    for text in set(figure.findobj(Text)) - powers:
+        text.set_parse_math(False)
 
 
 def categories(axes: Axes, names: Sequence[str]) -> None:

@@ -12,7 +12,7 @@ from pipeline.bridge.loading import load
 from pipeline.cli import cli
 from pipeline.report import envelopes, figures, overview, page, sketch, strips
 from pipeline.report.along import along
-from pipeline.report.drawing import plain, svg
+from pipeline.report.drawing import plain, png, svg
 from pipeline.report.report import COLUMNS, published
 from pipeline.report.responses import responses
 from pipeline.tasks.study import Study
@@ -359,6 +359,23 @@ def test_an_axis_of_words_has_its_own_figure(small, tmp_path):
         (axes,) = along(known, "variant").axes
     ((cross,),) = (line.get_xydata() for line in axes.lines if line.get_marker() == "x")
     assert cross[0] == 8.0 and round(cross[1]) == 0
+
+
+@pytest.mark.parametrize("labels", [["US$ % a", "AU$ % b"], [1.0, 1e2, 1e4]])
+@pytest.mark.parametrize("draw", [svg, png])
+def test_texts_of_users_are_drawn_as_they_are(results, labels, draw):
+    """Two $ hold no formula, which might be none; powers of ten along an axis are one."""
+    name = "US$ % of AU$"
+    labels = [f"{label} $ {label}" for label in labels] if isinstance(labels[0], str) else labels
+    data = xr.concat([dataset().assign_coords({name: label}) for label in labels], name)
+    varied = figures.Results(study=results.study, data=data)
+    with plain():
+        figure = along(varied, name)
+        draw(figure)
+    axes = figure.axes[0]
+    powers = [text.get_parse_math() for text in axes.get_xticklabels()]
+    assert set(powers) == {axes.get_xscale() == "log"}
+    assert not any(text.get_parse_math() for text in (axes.xaxis.label, *axes.get_yticklabels()))
 
 
 def test_numbers_that_go_with_an_axis_stand_along_it(small):
