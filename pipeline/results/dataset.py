@@ -53,6 +53,8 @@ def outdated(study: Study, store: Store) -> str:
     path, mark = store.root / "statistics.nc", read_json(store.root / MARK)
     if not path.exists():
         return "was not there"
+    if mark is None and (store.root / MARK).exists() and store.begun():
+        return "had a mark that cannot be read"
     if mark is not None and mark.get("sha256") != checksum(path):
         return "was not what had been collected"
     if mark is not None and store.begun() and mark.get("of") != _fingerprint(study, store):
@@ -130,7 +132,7 @@ def _fingerprint(study: Study, store: Store) -> str:
     Not how long those took: a task run again to the same bits leaves the dataset as it is.
     """
     digest = hashlib.sha256()
-    words = study.content.model_dump(mode="json", include={"axes", "sea_states", "title", "variants"})
+    words = study.content.model_dump(mode="json", include={"axes", "samples", "sea_states", "title", "variants"})
     digest.update(json.dumps([LAYOUT, words, dimensions(study.content)], sort_keys=True).encode())
     for task in study.tasks.passing("looking at records"):
         entry = store.look(task)

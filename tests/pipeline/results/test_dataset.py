@@ -95,6 +95,18 @@ def test_words_beside_an_axis_make_a_dataset_anew(small, tmp_path, change):
     assert dataset._fingerprint(load(small), store) != before
 
 
+def test_another_range_of_samples_makes_a_dataset_anew(small, tmp_path):
+    """Also of a key that no task depends on, as of a platform in studies without one: labels alone are others."""
+    store, ends = Store(tmp_path / "results", "small"), "[samples]\ncount = 2\nplatform.damping_ratio"
+    before = changed(
+        small, ('["elastic", "fixed", "elastic-no-floats"]', '["fixed"]'), ends + " = { from = 0.01, to = 0.02 }"
+    )
+    small.write_text(small.read_text().replace("to = 0.02", "to = 0.03"))
+    after = load(small)
+    assert [task.id for task in before.tasks] == [task.id for task in after.tasks]
+    assert dataset._fingerprint(after, store) != dataset._fingerprint(before, store)
+
+
 @pytest.mark.parametrize(
     ("motion", "unit"),
     [("hinge", "N m s rad-1"), ("heave", "N s m-1"), ("heave hinge", None), ("heave fixed", "N s m-1")],
