@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from pipeline.results.packs import packed
 from pipeline.results.store import Store, together
 from pipeline.tasks.task import expand
 
+README = Path(__file__).parents[3] / "pipeline" / "README.md"
 ERROR = {"error": {"kind": "ValueError", "message": "too much", "traceback": ""}}
 
 
@@ -66,6 +68,23 @@ def test_each_record_comes_out_as_it_went_in(store, tasks):
     with xr.open_dataset(store.packs.folder / "000001.nc") as data:
         assert data.frequency.dims == ("mode",) and data.power.dims == ("task", "leg")
         assert sorted(data.task.values.tolist() + [tasks[i].id for i in (1, 2, 4, 5)]) == sorted(t.id for t in tasks)
+
+
+def test_packs_of_different_forms_open_together_as_the_readme_says(store, tasks):
+    """Of labels that some have and others lack; numbers that all tasks of a pack share are there once."""
+    for some, legs in ((tasks[:2], ("a", "b")), (tasks[2:4], ("b", "c"))):
+        given = [record(task.id, n, legs) for n, task in enumerate(some, 1)]
+        for variables, _ in given if legs[0] == "b" else ():
+            variables["side"] = Variable((), np.array("lee"), {})
+            variables["leg"].attrs["coordinates"] = "side"
+        store.keep([(task, row, {}) for task, row in zip(some, packed(given), strict=True)])
+    folder = store.packs.folder
+    recipe = next(block for block in README.read_text().split("packs = ")[1:])
+    with eval(recipe.partition("\n\n")[0].replace("results/many/packs", str(folder)), {"xr": xr}) as data:
+        assert data.task.values.tolist() == [task.id for task in tasks[:4]]
+        for task in tasks[:4]:
+            power = data.power.sel(task=task.id).dropna("leg")
+            assert power.values.tolist() == store.look(task).made()[0]["power"].values.tolist()
 
 
 def test_several_come_out_together(store, tasks):
