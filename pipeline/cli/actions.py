@@ -67,8 +67,8 @@ def run(
     *,
     keep_going: bool = True,
     broken: Sequence[Geometry] = (),
-) -> None:
-    """Run tasks, with a bar or lines about it; and make broken coefficients again."""
+) -> list[Task]:
+    """Run tasks, with a bar or lines about it; and make broken coefficients again. Those that failed."""
     from pipeline.bridge.engine import Engine
     from pipeline.cli.progress import watching
     from pipeline.running.campaign import Campaign
@@ -83,7 +83,7 @@ def run(
         say=lambda text: say(text, err),
     )
     with watching(err if err.is_terminal else out, len(tasks)) as watch:
-        campaign.run(tasks, watch, broken)
+        return campaign.run(tasks, watch, broken)
 
 
 def rerun(study: Study, store: Store, results: Path, tasks: Tasks, place: Place) -> int:
@@ -91,10 +91,12 @@ def rerun(study: Study, store: Store, results: Path, tasks: Tasks, place: Place)
     tell_of_compiler(study.content)
     with store.lock(lambda text: say(text, err)):
         old = {task.id: _record(store, task) for task in tasks}
-        run(study, store, results, tasks, place)
-        changed = [not compare(task, old[task.id], _record(store, task)) for task in tasks]
+        failed = {task.id for task in run(study, store, results, tasks, place)}
+        # A record that stayed, for its second run came to no end, is not to be taken for a second one.
+        new = {task.id: None if task.id in failed else _record(store, task) for task in tasks}
+        changed = [not compare(task, old[task.id], new[task.id]) for task in tasks]
         refresh(study, store)
-    return max(finish(Tally.of(looked(tasks, store)), study, store), FAILED if any(changed) else DONE)
+    return max(finish(Tally.of(looked(tasks, store)), study, store), FAILED if any(changed) or failed else DONE)
 
 
 def _record(store: Store, task: Task) -> Mapping[str, Variable] | None:

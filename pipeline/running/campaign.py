@@ -76,7 +76,7 @@ class Campaign:
         return count if sum(map(bem_time, unknown)) < SHARED else max(count, schedule.SMALL + 1)
 
     def keep(self, outcomes: Sequence[tuple[Task, Outcome]]) -> None:
-        """Write what came of tasks."""
+        """Write what came of tasks; a record that is whole stays where a second run has come to no end."""
         kept: list[tuple[Task, bytes | Row | None, dict[str, Any]]] = []
         for task, outcome in outcomes:
             status: dict[str, Any] = {
@@ -87,6 +87,9 @@ class Campaign:
                 "log": outcome.log,
             }
             if isinstance(outcome.result, Failure):
+                if outcome.result.kind == Lost.__name__ and self.store.look(task, checksums=True).state == "done":
+                    self.say(f"{task.id} {task}: {outcome.result.message}; its record stays as it was")
+                    continue
                 kept.append((task, None, status | {"error": asdict(outcome.result)}))
             else:
                 told = {"content": outcome.content, "unmet": outcome.unmet, "warnings": outcome.warnings}

@@ -1,6 +1,7 @@
 """A study from end to end with an engine without physics."""
 
 import json
+import os
 import re
 import shutil
 import signal
@@ -253,6 +254,30 @@ def test_rerun_tells_what_changed(cli, monkeypatch, engine):
     assert "rotation: differs by up to 1e-12" in output
 
 
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("damaged", [False, True])
+def test_a_rerun_that_comes_to_no_end_leaves_the_record_there(cli, monkeypatch, engine, tmp_path, damaged):
+    """Its worker dies each time; a record that is whole stays, and the next rerun compares with it."""
+    words = "platform=fixed,seed=1,sea_state=calm"
+    cli("run", "--workers", "1")
+    (task,) = re.findall(r"(?m)^\w{16}", cli("show", words))
+    folder = tmp_path / "r" / "small" / "tasks" / task
+    if damaged:
+        record = folder / "record.nc"
+        record.write_bytes(record.read_bytes()[:-1] + b"?")
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    with monkeypatch.context() as patch:
+        lost = replace(engine, compute=lambda _parameters, _coefficients: os._exit(1))
+        patch.setattr("pipeline.bridge.engine.Engine", lambda: lost)
+        told = cli("rerun", words, "--timeout", "60", code=1)
+    stays = "every worker that had it died: killed, over its memory or longer than --timeout = 60 s; its record stays"
+    assert (stays in told) is (not damaged)
+    assert f"{task}: no new record" in told
+    assert ({path.name: path.read_bytes() for path in folder.iterdir()} == before) is (not damaged)
+    again = cli("rerun", words, "--workers", "1")
+    assert f"{task}: {'no old record to compare with' if damaged else 'bitwise the same as the old record'}" in again
+
+
 def test_select_runs_a_part(cli):
     assert "2 tasks: 2 done" in cli("run", "--select", "platform=fixed,seed=0", "--workers", "1")
     assert "12 tasks: 10 missing, 2 done" in cli("status", code=2)
@@ -417,6 +442,21 @@ def test_a_damaged_dataset_is_collected_again_by_the_report(cli, tmp_path, drawn
     assert "statistics.nc: was not what had been collected, and is collected again" in cli("report")
     with dataset.opened(path) as data:
         assert data.identical(whole)
+    assert "collected again" not in cli("report")
+
+
+@pytest.mark.parametrize("mark", [b"", b"[]", b'{"of": "'])
+def test_a_dataset_whose_mark_cannot_be_read_is_collected_again_by_the_report(cli, tmp_path, drawn, mark):
+    """What it was made of is not known; where there are no records, it is all there is."""
+    cli("run", "--workers", "1")
+    path = tmp_path / "r" / "small" / "statistics.nc"
+    whole = path.read_bytes()
+    path.write_bytes(b"nothing")
+    path.with_name(dataset.MARK).write_bytes(mark)
+    assert "statistics.nc: had a mark that cannot be read, and is collected again" in cli("report")
+    assert path.read_bytes() == whole and "collected again" not in cli("report")
+    path.with_name(dataset.MARK).write_bytes(mark)
+    remove(tmp_path / "r" / "small" / "tasks")
     assert "collected again" not in cli("report")
 
 
