@@ -445,8 +445,11 @@ def _too_short(scene: Scene) -> Iterator[str]:
 
 
 def _too_steep(scene: Scene) -> Iterator[str]:
-    """A sentence for a sea of several waves that is steeper than nature's; white noise has no peak to tell by."""
-    height, peak = (scene.sea.parameters()[name] for name in ("Hm0", "Tp"))
+    """A sentence for a sea of several waves that is steeper than nature's; white noise has no peak to tell by.
+
+    Its Hs and Tp are those that were asked for, whatever a realization has of them.
+    """
+    height, peak = scene.sea.nominal or (scene.sea.parameters()[name] for name in ("Hm0", "Tp"))
     steepness, steepest = 2 * np.pi * height / (scene.water.gravity * peak**2), np.interp(peak, *STEEPEST)
     if scene.sea.omega.size > 1 and steepness > steepest:
         yield (

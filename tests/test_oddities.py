@@ -17,7 +17,8 @@ from solver.run import simulate
 from solver.scene import EndStops, Float
 from solver.sea.current import Current, CurrentSpeed
 from solver.sea.field import wave_field
-from solver.sea.realization import components, regular
+from solver.sea.realization import components, realize, regular
+from solver.sea.spectrum import Jonswap, PiersonMoskowitz
 from solver.statistics import STATISTICS
 from tests.awkward import bare_legs, flap, prism, scene, soft_mooring, unequal_legs
 from tests.record.test_slow import soft
@@ -310,6 +311,19 @@ def test_a_sea_steeper_than_those_of_nature_is_told(Tp, limit):
         assert any("limit of natural seas" in text for text in warnings(replace(item, sea=waves))) is told
     alone = replace(item, sea=regular(height=1.5 * high, period=Tp))
     assert not any("limit of natural seas" in text for text in warnings(alone))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize(
+    ("spectrum", "Tp"),
+    [(Jonswap(Hs=3.0, Tp=5.0), 5.0), (PiersonMoskowitz(Hs=3.0, Tp=4.0, form="mean"), 8 * np.pi / (0.8 * 692) ** 0.25)],
+)
+def test_a_steep_sea_is_told_with_the_numbers_that_it_was_given(spectrum, Tp, seed):
+    """Not with those of a realization, 50 waves of which none is at the peak: nobody knows these."""
+    item, waves = buoy(WHOLE / 2), realize(spectrum, components=50, band=(0.8, 4.0), seed=seed)
+    steepness = 2 * np.pi * 3.0 / (9.81 * Tp**2)
+    (text,) = (text for text in warnings(replace(item, sea=waves)) if "limit of natural seas" in text)
+    assert f"Hs = 3 m and Tp = {Tp:.3g} s have a steepness 2π Hs/(g Tp²) of {steepness:.3g}, above" in text
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from solver.errors import InputError
 from solver.quantities import require_positive
-from solver.sea.spectrum import Spectrum, moment
+from solver.sea.spectrum import Jonswap, PiersonMoskowitz, Spectrum, moment
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -17,6 +17,7 @@ class Realization:
     """η(x, t) = Re Σ aᵢ exp(i(kᵢ s - ωᵢ t)), s = x cos β + y sin β.
 
     omega (n,) [rad/s], amplitude (n,) complex a = A e^{iε} [m], heading β [rad].
+    nominal: Hs [m] and Tp [s] of the spectrum that the components stand for, where it has a peak.
     known: whether phases are given, not drawn.
     notes: sentences for the user on how the components came about.
     """
@@ -25,6 +26,7 @@ class Realization:
     amplitude: np.ndarray
     heading: float = 0.0
     peak_frequency: float = np.nan
+    nominal: tuple[float, float] | None = None
     known: bool = False
     notes: tuple[str, ...] = ()
 
@@ -73,12 +75,16 @@ def realize(
         edges[1:-1] += width * rng.uniform(-0.4, 0.4, components - 1)
     omega = (edges[1:] + edges[:-1]) / 2
     density = spectrum.density(omega)
+    nominal = None
+    if isinstance(spectrum, PiersonMoskowitz | Jonswap):
+        nominal = spectrum.Hs, 2 * np.pi / spectrum.peak_frequency
     amplitude = np.sqrt(2 * density * np.diff(edges)) * np.exp(1j * rng.uniform(0, 2 * np.pi, components))
     made = Realization(
         omega=omega,
         amplitude=amplitude,
         heading=heading,
         peak_frequency=float(omega[np.argmax(density)]),
+        nominal=nominal,
     )
     return replace(made, notes=_missed(made, spectrum, band))
 
