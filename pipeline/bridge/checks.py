@@ -67,7 +67,9 @@ def problems(study: StudyFile, *, based: bool = False) -> list[InputError]:
         partial(_at_each_value, judge=_scenes),
         _together,
     )
-    each = [*_paths(study), *_axes(study)]
+    # A path to one of two floats of a name leads to the first of them, or, meant for the other, nowhere.
+    each = [*_repeated("floats.name", (f.name for f in study.floats))]
+    each = each or [*_paths(study), *_axes(study)]
     for judge in later:
         each = each or [*judge(study)]
     return list({str(problem): problem for problem in each}.values())
@@ -376,9 +378,6 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
     """The solver's objections to floats, sections and members, each by itself; and to too many of them."""
     if len(study.floats) > MOST_FLOATS:
         yield InputError("floats", f"{len(study.floats)} floats", f"must be <= {MOST_FLOATS}")
-        return
-    if twice := [*_repeated("floats.name", (f.name for f in study.floats))]:
-        yield from twice
         return
     for item in study.floats:
         yield from objections(partial(scenes.in_place, item, study.water))

@@ -357,9 +357,11 @@ def test_a_limit_of_one_axis_leaves_the_others_without(tmp_path):
         assert all(re.search(word, text) for word, text in zip(words, error.value.problems, strict=True))
 
 
-def test_a_name_that_two_floats_have_is_all_that_is_told():
-    """Not that the frame has no node for the other one."""
+@pytest.mark.parametrize("axes", [{}, {"floats.rear.pto_damping": [1e4, 2e4]}, {"left_out": [["rear"], []]}])
+def test_a_name_that_two_floats_have_is_all_that_is_told(axes):
+    """Not that the frame has no node for the other one, nor that what is said of it leads nowhere."""
     tables = tomllib.loads(BUAN.read_text())
     tables["floats"][1]["name"] = "front"
+    tables["axes"] |= axes
     told = checks.problems(StudyFile.model_validate(tables))
     assert [str(problem) for problem in told] == ["floats.name = front: given 2 times, must be unique"]
