@@ -25,8 +25,11 @@ BENT = {
 REPORTED = 1000  # tasks up to which the report comes by itself: its figures take 3 s, and longer with more dots
 
 
-def preflight(study: Study, tasks: Tasks) -> None:
-    """The solver's objections and warnings, before anything runs, and those to published numbers, not hours later."""
+def preflight(study: Study, tasks: Tasks) -> list[str]:
+    """The solver's objections and warnings, before anything runs, and those to published numbers, not hours later.
+
+    What was told.
+    """
     from pipeline.bridge.engine import Engine
     from pipeline.bridge.preflight import judge
 
@@ -34,8 +37,10 @@ def preflight(study: Study, tasks: Tasks) -> None:
         from pipeline.report.report import published
 
         published(study.published)
-    for text in judge(study, tasks.passing(), Engine()):
+    told = judge(study, tasks.passing(), Engine())
+    for text in told:
         say(f"{study.path}: warning: {text}", err)
+    return told
 
 
 def tell_of_compiler(content: StudyFile) -> None:
@@ -47,15 +52,16 @@ def tell_of_compiler(content: StudyFile) -> None:
         say(f"compiling the solver: about a minute, once for each state of its sources{laws}", err)
 
 
-def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> None:
-    """If there is something to run, have workers begin to start while the solver looks at the study."""
+def make_ready(study: Study, tasks: Tasks, store: Store, place: Place) -> list[str]:
+    """If there is something to run, have workers begin to start while the solver looks at the study; its warnings."""
     from pipeline.running.schedule import warm_up
 
     todo = tasks.where(lambda task: store.look(task).state in UNFINISHED)
-    if todo:
-        warm_up(len(todo), place)
-        tell_of_compiler(study.content)
-        preflight(study, todo)
+    if not todo:
+        return []
+    warm_up(len(todo), place)
+    tell_of_compiler(study.content)
+    return preflight(study, todo)
 
 
 def run(

@@ -132,13 +132,13 @@ def run(
     place = Place(workers=workers, scheduler=scheduler, timeout=timeout, memory=memory, tls=tls)
     require_place(place)
     study, tasks, store = _open(study_file, results, select_)
-    actions.make_ready(study, tasks, store, place)
+    told = actions.make_ready(study, tasks, store, place)
     with store.lock(lambda text: say(text, err)):
         todo, again = unfinished(tasks, store), broken(tasks, results)
         if todo or again:
             actions.run(study, store, results, todo, place, keep_going=keep_going, broken=again)
         paths = actions.refresh(study, store)
-    tally = Tally.of(looked(tasks, store))
+    tally = Tally.of(looked(tasks, store), told)
     actions.print_table(study, paths[0])
     what = [f"{len(todo)} run now" if todo else "nothing to run"]
     if len(tasks.unique) < (whole := len(study.tasks.unique)):

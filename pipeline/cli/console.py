@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -66,11 +67,12 @@ class Tally:
     short: int = 0  # finished tasks of which more was asked than they met
     unmet: list[str] = field(default_factory=list)  # the first of them, in words
     odd: Reasons = field(default_factory=Reasons)  # warnings of finished tasks
+    told: str = ""  # before they ran, a line each, without numbers
 
     @classmethod
-    def of(cls, entries: Iterable[tuple[Task, Entry]]) -> Tally:
-        """A tally of all these entries."""
-        tally = cls()
+    def of(cls, entries: Iterable[tuple[Task, Entry]], told: Iterable[str] = ()) -> Tally:
+        """A tally of all these entries; warnings that were told already give way to others."""
+        tally = cls(told="\n".join(map(without_numbers, told)))
         for task, entry in entries:
             tally.see(task, entry)
         return tally
@@ -85,8 +87,16 @@ class Tally:
             self.short += 1
             if self.short <= FEW:
                 self.unmet.append(f"not met: {task.id} {task}: {entry.unmet}")
-        self.odd.see(task, entry.warnings)
+        self.odd.see(task, self._untold(entry.warnings))
         self.failed.see(task, entry.failure)
+
+    def _untold(self, warnings: str) -> str:
+        """Those of a task's sentences that were not told, with other numbers or of a sea by its name."""
+        if not self.told:
+            return warnings
+        each = ((text, re.escape(without_numbers(text.removeprefix("sea: ")))) for text in warnings.split("; "))
+        # Labels or a sea's name before it, and how many others after it.
+        return "; ".join(t for t, alike in each if not re.search(rf"(^|[:;] ){alike}($|; | \(and )", self.told, re.M))
 
     @property
     def code(self) -> int:

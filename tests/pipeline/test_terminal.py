@@ -87,6 +87,21 @@ def test_what_is_odd_about_records_is_told_at_the_end(capsys):
     ]
 
 
+def test_what_was_told_before_the_run_gives_way_to_others(capsys):
+    """Of a sea by its name, of one variant, with other numbers; a sentence may have the sign between them in it."""
+    told = ["sea_states.a: mean 1; 2 % lie outside", "variant = b: floats.f: out by 3 t (and 2 others)", "other parts"]
+    status = SimpleNamespace(provenance={})
+    said = [
+        "sea: mean 4; 5 % lie outside; floats.f: out by 6 t",
+        "sea: mean 4; 5 % lie outside; other",
+        "floats.g: out by 3 t",
+    ]
+    entries = [SimpleNamespace(state="done", unmet="", failure="", warnings=text, status=status) for text in said]
+    tally = Tally.of(((Word(n), entry) for n, entry in enumerate(entries)), told)
+    assert finish(tally, SimpleNamespace(path="a.toml"), Store(Path("elsewhere"), "a")) == 0
+    assert capsys.readouterr().err.splitlines() == ["warning: task 1: other", "warning: task 2: floats.g: out by 3 t"]
+
+
 def test_a_reason_is_told_once_with_the_first_tasks_that_it_is_of(capsys, monkeypatch):
     """One of five tasks with others between; then more reasons than are listed."""
     study, store = SimpleNamespace(path="a.toml"), Store(Path("elsewhere"), "a")

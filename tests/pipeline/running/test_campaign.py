@@ -579,6 +579,19 @@ def test_preflight_judges_what_runs_each_task_once(cli, monkeypatch, engine, tmp
     assert len(judged) == 1
 
 
+def test_a_warning_is_told_once_by_a_run_and_again_where_nothing_is_left_to_run(cli, monkeypatch, engine):
+    def odd(parameters, coefficients):
+        record = engine.compute(parameters, coefficients)
+        record.attrs["warnings"] = "sea: odd by 2 %; met in the run"
+        return record
+
+    worried = replace(engine, compute=odd, judge=lambda _: ["sea: odd by 1 %"])
+    monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: worried)
+    first, second = (cli("run", "--workers", "1", "--select", "sea_state=calm") for _ in range(2))
+    assert "warning: sea_states.calm: odd by 1 %" in first and first.count("odd by") == 1
+    assert ": met in the run (and 5 more)" in first and ": sea: odd by 2 %; met in the run (and 5 more)" in second
+
+
 def test_nothing_to_do_imports_nothing_heavy(small, cli, tmp_path, drawn, monkeypatch):
     monkeypatch.setattr("pipeline.bridge.cache.Cache.__init__.__defaults__", (lambda data, key: data,))
     for _ in range(2):  # the second finds the coefficients whole
