@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections import defaultdict, deque
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
@@ -80,8 +81,11 @@ class Estimate:
         origin = f"from {count} {source}" if count else f"at {usual}, for there is no past run"
         time = f"{about(self._seconds() / workers)} on {workers} workers, {origin}"
         known = Cache(results)
-        fresh = {one.radiating for one in self.geometries if known.get(one.key) is None}
+        unknown = [one for one in self.geometries if known.get(one.key) is None]
+        fresh = {one.radiating for one in unknown}
         bem = f" after {len(fresh)} boundary element solutions, {about(_effort(fresh) / workers)}" if fresh else ""
+        if len(fresh) > 1 and len({one.model_copy(update={"band": None}) for one in fresh}) == 1:
+            bem += f" ({_wide_band(unknown)} would make it one)"
         return f"to run: {self.left} tasks{bem}; {time}"
 
     def _ran(self, status: Status) -> None:
@@ -111,6 +115,12 @@ def _effort(fresh: Collection[Geometry]) -> float:
     """Time of solutions by one worker [s]."""
     some = [bem_time(one) for one in sorted(fresh, key=lambda one: one.key)[:SOLUTIONS]]
     return sum(some) / len(some) * len(fresh) * bem_pace()
+
+
+def _wide_band(geometries: Collection[Geometry]) -> str:
+    """The key that has the frequencies of all, rounded outwards, of geometries that differ in these."""
+    lowest, highest = zip(*(one.band for one in geometries if one.band), strict=True)
+    return f"waves.band = [{math.floor(1e3 * min(lowest)) / 1e3:g}, {math.ceil(1e3 * max(highest)) / 1e3:g}]"
 
 
 def _others(results: Path) -> Iterator[Status]:

@@ -976,6 +976,22 @@ def test_where_nothing_is_solved_for_none_is_told_of(small, cli):
     assert "\npressure of the undisturbed waves on 1 float: " in told and "coefficients" not in told
 
 
+def test_plan_tells_of_a_band_that_seas_could_share(small, cli, monkeypatch):
+    """Where hulls are others, too, no band does."""
+    monkeypatch.setattr("pipeline.cli.plan.bem_pace", lambda: 60.0)
+    apart = small.read_text().replace("band = [0.7, 3.4]\n", "").replace("Tp = 7.0", "Tp = 14.0")
+    small.write_text(apart)
+    told = re.sub(r"\s+", " ", cli("plan"))
+    band = re.search(r"after 2 .* \(waves.band = \[(.*), (.*)\] would make it one\); about", told)
+    low, high = map(float, band.groups())
+    bands = [geometry.band for task in load(small).tasks if (geometry := geometry_of(task.parameters))]
+    assert 0 <= min(low for low, _ in bands) - low < 1e-3 and 0 <= high - max(high for _, high in bands) < 1e-3
+    small.write_text(apart.replace("[waves]\n", f"[waves]\nband = [{low}, {high}]\n"))
+    assert "after 1 boundary element solutions, " in cli("plan") and "would make it" not in cli("plan")
+    small.write_text(apart.replace("[axes]\n", '[axes]\n"floats.front.hull.radius" = [1.0, 1.1]\n'))
+    assert "would make it" not in cli("plan")
+
+
 def test_plan_tells_states_and_time_from_past_runs(small, cli, monkeypatch):
     monkeypatch.setattr("pipeline.cli.plan.bem_pace", lambda: 60.0)
     assert "after 1 boundary element solutions, about 32 s; " in cli("plan", "--workers", "2")
