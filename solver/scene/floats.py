@@ -150,8 +150,8 @@ class Float:
         if self.lines and not n:
             yield InputError(f"{key}.lines", f"{len(self.lines)} lines", "must be left out: a fixed body has no axis")
         for line in self.lines:
-            if not line.anchor[2] < self.centre[2] + line.fairlead[2]:
-                yield InputError(f"{key}.lines.anchor", line.anchor, f"must be below the fairlead, {line.fairlead} m")
+            if not line.anchor[2] < (z := self.centre[2] + line.fairlead[2]):
+                yield InputError(f"{key}.lines.anchor", line.anchor, f"must be below the fairlead, at z = {z:g} m")
 
     def _law_problems(self, key: str) -> Iterator[InputError]:
         if self.pto_table is not None:

@@ -22,7 +22,7 @@ from solver.scene.water import STILL_WATER, Water
 from solver.sea.current import Current
 from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
-from solver.structure.tubular import may_be_utilised, resistance
+from solver.structure.tubular import may_be_utilised, of_no_metal, resistance
 
 FINEST = 200  # shares of its width that a gap is looked for by
 MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
@@ -162,6 +162,9 @@ class Scene:
         if not tubes:
             limit = "is of tubes whose material has a yield_strength: there is none"
             yield InputError("settings.outputs", "utilisation", limit)
+        if slips := [*of_no_metal(tubes)]:  # of which a slender wall would be told at each tube
+            yield from slips
+            return
         for member in tubes:
             if member.end_section is not None:
                 limit = "must be left out for utilisation: 6.5 of N-004, of cones, is not here"

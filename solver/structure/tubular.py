@@ -15,6 +15,7 @@ from solver.structure.members import Member
 LOCAL = 0.3  # C_e of elastic local buckling
 SLENDER = 0.25  # f_y/f_cle, whose root is λ_s = 0.5: beyond it γ_M may be larger than 1.15
 LARGEST_FACTOR = 1.45
+STRONGEST = 0.05  # f_y/E: no metal has as much, and high-strength steel a tenth of it
 THINNEST, MOST_SLENDER = 6e-3, 120.0  # t [m] and D/t
 
 
@@ -67,6 +68,16 @@ def too_thin(members: Iterable[Member]) -> Iterator[str]:
             f" tubes of {THINNEST:g} m or more; its formulas are the same at any scale, so `utilisation` is told of a"
             " model's thinner ones, too"
         )
+
+
+def of_no_metal(members: Iterable[Member]) -> Iterator[InputError]:
+    """An error for each material of tubes whose yield strength is too large beside its E, at the first that has it."""
+    for material, name in {m.material: m.name for m in reversed([*members])}.items():
+        fy, E = material.yield_strength, material.E
+        if fy is not None and fy > STRONGEST * E:
+            given = f"E = {E:g} Pa, yield_strength = {fy:g} Pa"
+            limit = f"must yield at <= {STRONGEST:g} E, for utilisation by N-004, 6.3: are both in Pa?"
+            yield InputError(f"platform.members.{name}.material", given, limit)
 
 
 def _require_in_range(member: Member, fy: float, material_factor: float) -> None:

@@ -159,7 +159,7 @@ def test_both_methods_tell_the_tensions_of_a_moored_barge():
     [
         ({"weight": 0.0}, "lines.weight = 0.0: must be > 0"),
         ({"anchor": (60.0, 0.0, -21.0)}, "floats.ball.lines.anchor = .*: must not lie below the seabed"),
-        ({"anchor": (60.0, 0.0, 0.0)}, "floats.ball.lines.anchor = .*: must be below the fairlead"),
+        ({"anchor": (60.0, 0.0, 0.0)}, "floats.ball.lines.anchor = .*: must be below the fairlead, at z = -0.5 m"),
     ],
 )
 def test_what_is_no_line_is_refused(change, told):

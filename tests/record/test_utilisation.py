@@ -331,6 +331,11 @@ def test_scenes_without_what_it_needs_are_refused():
         standing(material=replace(STEEL, yield_strength=None))
     with pytest.raises(InputError, match="is of tubes whose material has a yield_strength"):
         standing(section=solid_rectangle(0.3, 0.3))
+    with pytest.raises(
+        InputError, match=r"pile\.material = E = 210 Pa, yield_strength = 3.55e\+08 Pa: must"
+    ) as refused:
+        standing(material=replace(STEEL, E=210.0))
+    assert not refused.value.others
     with pytest.raises(InputError, match=r"thickness = 0.0008"):
         standing(section=tube(0.1, 0.0008))
     with pytest.raises(InputError, match=r"pile\.end_section = tube: must be left out for utilisation: 6\.5"):
