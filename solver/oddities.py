@@ -9,10 +9,11 @@ from solver import limits
 from solver.balance import FLUSH, OUT, TONNE, heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.hydrodynamics.hull.swing import inside
-from solver.mooring import line_pulls, odd_lines
+from solver.mooring import Line, line_pulls, odd_lines
 from solver.scene import DOFS, LEVEL, Float, Platform, Scene, Water, load_unit_along, poses, unit_along
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS, of_joints
+from solver.structure.frame import Frame
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
 STEEP = 1.2  # factor by which extremes may exceed those of Gaussian responses
@@ -27,10 +28,10 @@ FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
 LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m
 GYRATION = 0.1, 10.0  # of the edge of a cube as large as a hull, and of its size: radii of gyration are between them
 FAR = 10.0  # hulls' sizes, from their reference point: no centre of gravity is as far
-TONNES = 0.3, 25.0  # [t/m3] that frames are of, timber to heavy metal; some are of nothing, or next to it
 HANGING = 1.1  # times the weight of a line that hangs straight down at rest: it pulls so where waves lift its float
 FEW = 10.0  # mean periods: from one record of so many to the next the std of a random sea scatters by a fifth
-RAISED = 0.01  # of the depth, by which a clamped foot may be above the seabed
+AWAY = 2.0  # hulls' sizes, from their reference point: no fairlead is as far
+RAISED = 0.01  # of the depth, by which a clamped foot, or an anchor on which a line lies, may be above the seabed
 STEEPEST = (8.0, 15.0), (1 / 15, 1 / 25)  # 2π Hs/(g Tp²) that seas have by Tp [s], DNV-RP-C205
 
 
@@ -81,7 +82,19 @@ def _of_lines(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
     at = np.zeros(scene.offsets.size) if joints is None else joints
     for f, (R, place) in zip(scene.floats, poses(scene.floats, scene.carriers, at), strict=True):
         turned = [replace(line, fairlead=tuple((R @ line.fairlead).tolist())) for line in f.lines]
-        yield from (f"floats.{f.name}.lines: {text}" for text in odd_lines(turned, place))
+        texts = *odd_lines(turned, place), *_lying(turned, place, scene.water.depth)
+        yield from (f"floats.{f.name}.lines: {text}" for text in texts)
+
+
+def _lying(lines: Sequence[Line], place: np.ndarray, depth: float) -> Iterator[str]:
+    """A sentence for each line that lies, at rest, on a seabed at its anchor where the water's is far below."""
+    for number, (line, pull) in enumerate(zip(lines, line_pulls(lines, place), strict=True), 1):
+        lies = line.length + pull[2] / line.weight
+        if lies > 0 and _above_seabed(line.anchor[2], depth):
+            yield (
+                f"line {number} lies over {lies:.4g} m at rest on a seabed at its anchor, z = {line.anchor[2]:g} m,"
+                f" where the water has depth = {depth:g}: is the anchor or the depth another?"
+            )
 
 
 def _of_water(scene: Scene) -> Iterator[str]:
@@ -107,6 +120,12 @@ def _of_units(item: Float) -> Iterator[str]:
             f"floats.{item.name}.cog: lies {away:.4g} m from the reference point of a hull of {item.hull.size:.4g} m"
         )
         yield f"{where}: is it in other units?"
+    for number, line in enumerate(item.lines, 1):
+        if (away := float(np.linalg.norm(line.fairlead))) > AWAY * item.hull.size:
+            yield (
+                f"floats.{item.name}.lines: the fairlead of line {number} lies {away:.4g} m from the reference point of"
+                f" a hull of {item.hull.size:.4g} m: fairleads are from there, not from the origin"
+            )
     if item.end_stops is None:
         return
     low, high = (np.abs(item.per_axis(f"end_stops.{end}")) for end in ("lower", "upper"))
@@ -141,10 +160,11 @@ def _of_inertia(item: Float, water: Water) -> Iterator[str]:
 
 def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
     """Sentences for a frame that buckles or bends too far at rest, for its member that is thickest beside waves, for
-    those that lie in still water's surface, for its thinnest tube that is utilised, for a density in t/m³,
+    those that lie in still water's surface, for its thinnest tube that is utilised, for numbers as of other units,
     and for feet clamped in mid-water.
     """
-    from solver.structure import in_water, slenderness, tubular  # with scipy's parts, for scenes with a platform alone
+    # With scipy's parts, for scenes with a platform alone.
+    from solver.structure import in_water, slenderness, slips, tubular
 
     water = scene.water
     still = in_water.dynamic_model(platform.frame, water.density, water.gravity, softened=platform.geometric_stiffness)
@@ -155,16 +175,29 @@ def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
         yield from in_water.left_dry(platform.frame)
     if "utilisation" in scene.settings.outputs:
         yield from tubular.too_thin(platform.frame.members)
-    low, high = TONNES
-    for density in sorted({m.material.density for m in platform.frame.members}):
-        if low < density < high:
-            yield f"platform.materials: density {density:g} kg/m3 is of no frame: is it in t/m3?"
-    heights = {name: water.depth + platform.frame.nodes[name][2] for name in platform.frame.clamped}
-    if raised := [name for name, up in heights.items() if RAISED < up / water.depth < 1]:
+    yield from slips.of_materials(platform.frame.members)
+    yield from slips.of_growth(platform.frame)
+    yield from slips.on_feet(platform.frame, platform.load_histories)
+    yield from _in_mid_water(platform.frame, water.depth)
+
+
+def _in_mid_water(frame: Frame, depth: float) -> Iterator[str]:
+    """A sentence for feet clamped well above the seabed, as all are in deep water, which has none."""
+    feet = {name: frame.nodes[name][2] for name in frame.clamped}
+    if raised := [name for name, z in feet.items() if z < 0 and _above_seabed(z, depth)]:
+        highest = max(feet[name] for name in raised)
+        where = f"{highest + depth:.3g} m at most, in water of {depth:g} m"
+        if np.isinf(depth):
+            where = f"z = {highest:g} m at most, in water without one, depth = inf"
         yield (
-            f"platform.clamped: {', '.join(raised)} above the seabed, {max(heights[n] for n in raised):.3g} m at most,"
-            f" in water of {water.depth:g} m: what holds a foot there, or is the depth another?"
+            f"platform.clamped: {', '.join(raised)} above the seabed, {where}: what holds a foot there, or is the"
+            " depth another?"
         )
+
+
+def _above_seabed(z: float, depth: float) -> bool:
+    """By more than RAISED of the depth, or of no depth at all."""
+    return z > (RAISED - 1) * depth
 
 
 def _pierced(scene: Scene, platform: Platform) -> Iterator[str]:

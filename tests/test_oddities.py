@@ -201,13 +201,14 @@ def test_a_current_that_no_tide_has_is_told(speed, table):
     assert any(text.startswith(f"current: {speed:g} m/s") for text in texts) is (speed > 12)
 
 
-@pytest.mark.parametrize(("deeper", "told"), [(0.0, False), (0.2, False), (0.3, True), (5.0, True), (np.inf, False)])
+@pytest.mark.parametrize(("deeper", "told"), [(0.0, False), (0.2, False), (0.3, True), (5.0, True), (np.inf, True)])
 def test_a_foot_clamped_above_the_seabed_is_told(deeper, told):
-    """From one hundredth of 25 m of water on; in deep water there is no seabed to be above."""
+    """From one hundredth of 25 m of water on; in deep water there is no seabed for it to be at."""
     item, _ = bare_legs()
     texts = warnings(replace(item, water=replace(item.water, depth=25.0 + deeper)))
     feet = ", ".join(item.platform.frame.clamped)
     assert any(text.startswith(f"platform.clamped: {feet} above the seabed") for text in texts) is told
+    assert not any("inf m" in text for text in texts)
 
 
 @pytest.mark.parametrize(("upper", "told_so"), [(3.1, False), (30.0, True)])
@@ -297,6 +298,33 @@ def test_a_taut_line_that_goes_slack_is_told(away, length, rest, least, told):
     said = "; ".join(snapped(item, {"line_tension": table}))
     assert (f"floats.barge.lines: line 1, {rest:.4g} N at rest, goes slack, down to {least:.4g} N" in said) == told
     assert not told or not list(snapped(item, {}))
+
+
+@pytest.mark.parametrize(("far", "told"), [(2.01, True), (1.99, False)])
+def test_a_fairlead_far_off_its_hull_is_told(far, told):
+    """As global coordinates are."""
+    item, _ = soft_mooring()
+    (barge,) = item.floats
+    away = far * barge.hull.size
+    line = Line(anchor=(-90.0, 0.0, -50.0), fairlead=(away, 0.0, 0.0), length=130.0, weight=300.0, EA=2e7)
+    texts = warnings(replace(item, floats=(replace(barge, lines=(line,)),)))
+    assert any(f"the fairlead of line 1 lies {away:.4g} m from the reference point" in text for text in texts) is told
+
+
+@pytest.mark.parametrize(
+    ("depth", "z", "length", "told"),
+    [
+        (50.0, -50.0, 130.0, False), (50.0, -49.6, 130.0, False), (50.0, -49.4, 130.0, True),
+        (50.0, -30.0, 90.0, False), (50.0, -30.0, 110.0, True), (np.inf, -50.0, 130.0, True),
+    ],
+)  # fmt: skip
+def test_a_line_that_lies_above_the_seabed_is_told(depth, z, length, told):
+    """From one hundredth of the depth on; a taut one lies nowhere, and its anchor may be on anything."""
+    item, _ = soft_mooring()
+    (barge,) = item.floats
+    line = Line(anchor=(-90.0, 0.0, z), fairlead=(-5.0, 0.0, 0.0), length=length, weight=300.0, EA=2e7)
+    item = replace(item, water=replace(item.water, depth=depth), floats=(replace(barge, lines=(line,)),))
+    assert any("on a seabed at its anchor" in text for text in warnings(item)) is told
 
 
 @pytest.mark.parametrize(

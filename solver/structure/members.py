@@ -104,6 +104,9 @@ class Member:
             yield InputError(f"{key}.section.diameter", 0.0, "must be > 0 m for a member with water coefficients")
         if self.flooded is not None and self.section.diameter == 0:
             yield InputError(f"{key}.flooded", self.flooded, "is of tubes: leave it out")
+        elif self.flooded is not None and self.section.area > (circle := np.pi / 4 * self.section.diameter**2):
+            limit = f"must be <= {circle:.4g} m2, the circle of its diameter, of a member that is flooded or sealed"
+            yield InputError(f"{key}.section.area", self.section.area, limit)
         for end in ("start_release", "end_release"):
             for name in getattr(self, end):
                 if name not in FORCES:
