@@ -22,6 +22,7 @@ from solver.frequency.outputs import (
     strokes,
     tables_of,
 )
+from solver.frequency.resonance import unresolved
 from solver.frequency.response import Response, respond, respond_in
 from solver.frequency.ringing import rung
 from solver.frequency.rotation import rotation_effect, turned
@@ -109,6 +110,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *skewed(turning.extremes),
         *pulled(platform.extremes),
         *([NO_BALANCE] if turning.error == UNTOLD else []),
+        *unresolved(case, response),
         *slipping,
         *above(scene, tables, errors["estimated_error"]),
         *unjudged(hydrodynamics),

@@ -1,0 +1,56 @@
+"""Resonances that a sea's waves are too far apart for: how far they move depends on where its lines fall.
+
+A shape φ of unit inertia, of natural frequency ω₀ and damped by B, resonates over B about that, its half-power width.
+Waves whose load φᵀF has the one-sided spectrum S there move it with the variance πS/(2Bω₀²), of lines however dense.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from solver.frequency.case import NARROW, Case
+from solver.frequency.response import Response
+from solver.lines import lengths
+from solver.record.slow import radiating
+from solver.statistics import FAINT
+
+ASIDE = 4  # lines to each side of a resonance, by which the sea is known there
+WITHIN = 2.0  # spacings of lines in a resonance's width, of which the variance hardly goes by where they fall
+COUNTS = 0.05  # of a coordinate's variance: a resonance of less changes no std by more than a fortieth
+
+
+def unresolved(case: Case, response: Response) -> Iterator[str]:
+    """A sentence for each shape that resonates between lines of random phases, and has a part in what moves."""
+    omega, modes, damping = case.waves, case.modes, case.model.damping + response.damping
+    if case.system.scene.sea.known or omega.size <= 2 * ASIDE:
+        return
+    among = np.flatnonzero((modes.omega > omega[ASIDE]) & (modes.omega < omega[-ASIDE]))
+    radiated = radiating(case.system, case.hydrodynamics, modes.omega[among], modes.shapes[:, among].T)[1]
+    moved = _squares(case, lengths(np.ascontiguousarray(response.X[: omega.size].T)) ** 2 / 2)
+    for i, of_water in zip(among, radiated, strict=True):
+        own, shape = modes.omega[i], modes.shapes[:, i]
+        width = max(float(shape @ damping @ shape + of_water), 2 * NARROW * own)
+        after = int(np.searchsorted(omega, own))
+        near = slice(after - ASIDE, after + ASIDE)
+        apart = np.ptp(omega[near]) / (2 * ASIDE - 1)
+        spectrum = np.mean(np.abs(shape @ case.force_at_rest[:, : omega.size][:, near]) ** 2) / (2 * apart)
+        most = _squares(case, np.pi * spectrum / (2 * width * own**2) * shape**2)
+        counts = (most > COUNTS * moved) & (np.maximum(most, moved) > FAINT**2 * moved.max())
+        if width < WITHIN * apart and counts.any():
+            needed = _rounded_up(omega.size * WITHIN * apart / width)
+            yield (
+                f"components: waves are {apart:.2g} rad/s apart where {modes.names[i]} of period"
+                f" {2 * np.pi / own:.3g} s resonates over {width:.2g} rad/s: {needed} components would resolve it"
+            )
+
+
+def _squares(case: Case, variance: np.ndarray) -> np.ndarray:
+    """Of the frame's modes together and of each joint (1 + nj,) [m2], how far they move, by coordinates (n,)."""
+    squares, nm = case.model.length**2 * variance, case.model.modes.shape[1]
+    return np.append(squares[:nm].sum(), squares[nm:])
+
+
+def _rounded_up(count: float) -> int:
+    """To two digits."""
+    digit = 10 ** max(int(np.log10(count)) - 1, 0)
+    return int(np.ceil(count / digit)) * digit
