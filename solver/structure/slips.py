@@ -56,7 +56,7 @@ def of_growth(frame: Frame) -> Iterator[str]:
 def _growth(frame: Frame, member: Member) -> tuple[float, float]:
     """The thickest layer in water, and the member's largest radius [m]."""
     foot, top = np.clip(np.sort(frame.ends(member)[:, 2]), frame.seabed, np.inf)
-    levels = np.clip([foot, top, *(-line.depth for line in frame.growth)], foot, min(top, 0.0))
+    levels = np.clip([foot, top, *(-line.depth for line in frame.growth)], foot, top)
     layer = frame.grown(levels)[0].max() if foot < 0 else 0.0
     return float(layer), max(section.diameter for section in member.sections) / 2
 

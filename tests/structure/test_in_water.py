@@ -90,7 +90,11 @@ def test_where_it_bends_most_is_named():
 
 def test_pascals_given_as_megapascals_are_told():
     told = warnings(scene(E=210e3))
-    assert [text.split(" ")[1] for text in told] == ["its", "weight,"]  # the factor, and the displacement
+    assert [text.split(" ")[1] for text in told] == [
+        "its",
+        "weight,",
+        "E",
+    ]  # the factor, the displacement, and the unit
 
 
 def test_buan_buckles_under_its_deck_twice(buan):
