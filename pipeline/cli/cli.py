@@ -295,9 +295,13 @@ def report(
     figure: Annotated[
         Path | None, typer.Option(metavar="PNG", dir_okay=False, help="Write the summary as one figure, too")
     ] = None,
+    best: Annotated[
+        int | None,
+        typer.Option("--best", min=1, metavar="N", help="Print a study's lines with the N best designs"),
+    ] = None,
 ) -> None:
     """Print our numbers beside the published ones, and write results/<study>/report.html."""
-    from pipeline.report import page
+    from pipeline.report import page, ranking
     from pipeline.results import dataset
 
     study = load(study_file)
@@ -311,6 +315,9 @@ def report(
         _, counts = dataset.collect(study, store)
         say(f"{path}: {why}, and is collected again: " + ", ".join(f"{n} {state}" for state, n in counts.items()), err)
     actions.print_table(study, path)
+    if best:
+        with dataset.opened(path) as data:
+            say(ranking.block(study.content, data, best) or "no designs to choose from")
     if figure:
         page.write_figure(study, path, figure)
     say(str(page.write(study, path)))

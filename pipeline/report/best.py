@@ -53,13 +53,15 @@ OF_ERRORS = (
 )
 
 
-class _Compared(NamedTuple):
+class Compared(NamedTuple):
     """Designs in a sea, or in all."""
 
+    found: xr.DataArray  # power, along `estimate`
     mean: xr.DataArray  # power; NaN of those that are not compared
     at: dict[Hashable, int]  # place of the best
     ahead: xr.DataArray  # what the best has more than each, in the same realizations, along `estimate`
     error: xr.DataArray  # what that may be off by, as their records are
+    off: xr.DataArray  # what power may be off by
 
     @property
     def least(self) -> float:
@@ -107,29 +109,46 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
 
     A design without a number in a sea, or in a realization that another has, is none of those that are compared in it.
     """
+    for labels, part, designs in platforms(data, variable):
+        for sea, some in seas(part, variable):
+            each, label = some[variable], ", ".join(filter(None, [*labels, sea]))
+            of = compared(each, designs, some)
+            if not _whole(each, designs).any():
+                yield label, f"none (of 0 among {of.mean.size})", *["-"] * (5 if _several(data) else 3), counted(each)
+            if not of.mean.fillna(0.0).any():  # nor is there a best of none that takes power
+                continue
+            chosen = "any" if of.alike(designs) else ", ".join(_chosen(of))
+            if (known := int(of.mean.notnull().sum())) < of.mean.size:
+                chosen += f" (of {known} among {of.mean.size})"
+            chosen += " (undecided)" * bool(not _several(data) and of.undecided.any())
+            second = _next_best(of, scale) if _several(data) else ()
+            power = marked(of.found.isel(of.at).values, of.off.isel(of.at), scale)
+            yield label, chosen, *power, *second, counted(each.isel(of.at))
+
+
+def platforms(data: xr.Dataset, variable: str) -> Iterator[tuple[list[str], xr.Dataset, list[Hashable]]]:
+    """Labels of every platform and other axis along which nobody chooses, power of all floats there, and the axes
+    along which designs differ; none without any."""
     total = powers(data, variable).isel(float=-1, drop=True).compute()
     designs = [dim for dim in total.dims if total.sizes[dim] > 1 and _is_design(data[dim])]
     for labels, part in cells(total, variable, designs) if designs else ():
-        for sea, some in by_sea(part, variable):
-            each = some[variable]
-            if each.sizes.get("sea_state", 1) > 1 and "occurrence" not in some.coords:
-                continue
-            found, whole, label = over_seas(each, some), _whole(each, designs), ", ".join(filter(None, [*labels, sea]))
-            mean = found.sel(estimate="value", drop=True).where(whole)
-            if not whole.any():
-                yield label, f"none (of 0 among {mean.size})", *["-"] * (5 if _several(data) else 3), counted(each)
-            if not mean.fillna(0.0).any():  # nor is there a best of none that takes power
-                continue
-            at = {dim: int(place) for dim, place in mean.argmax(designs).items()}
-            error = off(each, some)
-            of = _Compared(mean, at, over_seas(each.isel(at, drop=True) - each, some), _both(each, at, some))
-            chosen = "any" if of.alike(designs) else ", ".join(_chosen(of))
-            if (known := int(mean.notnull().sum())) < mean.size:
-                chosen += f" (of {known} among {mean.size})"
-            chosen += " (undecided)" * bool(not _several(data) and of.undecided.any())
-            second = _next_best(of, scale) if _several(data) else ()
-            power = marked(found.isel(at).values, error.isel(at), scale)
-            yield label, chosen, *power, *second, counted(each.isel(at))
+        yield labels, part, designs
+
+
+def seas(part: xr.Dataset, variable: str) -> Iterator[tuple[str, xr.Dataset]]:
+    """All sea states together, if somebody said how often they come, and each."""
+    for sea, some in by_sea(part, variable):
+        if some[variable].sizes.get("sea_state", 1) == 1 or "occurrence" in some.coords:
+            yield sea, some
+
+
+def compared(each: xr.DataArray, designs: Sequence[Hashable], some: xr.Dataset) -> Compared:
+    """Designs by their power in each task of some seas; the first stands for the best where no mean is known."""
+    found = over_seas(each, some)
+    mean = found.sel(estimate="value", drop=True).where(_whole(each, designs))
+    at = {dim: int(place) for dim, place in mean.fillna(-np.inf).argmax(designs).items()}
+    ahead = over_seas(each.isel(at, drop=True) - each, some)
+    return Compared(found, mean, at, ahead, _both(each, at, some), off(each, some))
 
 
 def _both(each: xr.DataArray, at: Mapping[Hashable, int], some: xr.Dataset) -> xr.DataArray:
@@ -159,21 +178,26 @@ def _whole(each: xr.DataArray, designs: Sequence[Hashable]) -> xr.DataArray:
     return whole.all([dim for dim in ("sea_state", "seed") if dim in whole.dims])
 
 
-def _next_best(of: _Compared, scale: float) -> tuple[str, str]:
+def _next_best(of: Compared, scale: float) -> tuple[str, str]:
     """The one with the most power of those that differ from the best, by where they do, and by how much, over scale."""
     others = of.mean.where(of.mean < of.mean.isel(of.at) - of.least)
     if others.isnull().all():
         return "-", "-"
     at = {dim: int(place) for dim, place in others.argmax([*of.at]).items()}
-    label = ", ".join(_label(of.mean[dim], place) for dim, place in at.items() if place != of.at[dim])
-    less, low, high = texts(of.ahead.isel(at).values / scale)
-    less += f" [{low}, {high}]" * (low != "-")
+    label = ", ".join(one_of(of.mean[dim], place) for dim, place in at.items() if place != of.at[dim])
+    less = by_how_much(of, at, scale)
     if of.undecided.any():
         less += " undecided" if of.undecided.isel(at) else " others undecided"
     return label, less
 
 
-def _label(axis: xr.DataArray, place: int) -> str:
+def by_how_much(of: Compared, at: Mapping[Hashable, int], scale: float) -> str:
+    """What a design has less than the best, over scale, with its interval."""
+    less, low, high = texts(of.ahead.isel(at).values / scale)
+    return less + f" [{low}, {high}]" * (low != "-")
+
+
+def one_of(axis: xr.DataArray, place: int) -> str:
     """One of an axis's values, with those that go along."""
     along = [named(str(name).rpartition("floats.")[2], other.values[place]) for name, other in _along(axis)]
     return named(axis.name, axis.values[place]) + f" ({', '.join(along)})" * bool(along)
@@ -184,14 +208,14 @@ def _along(axis: xr.DataArray) -> list[tuple[Hashable, xr.DataArray]]:
     return [(name, other) for name, other in others if other.dims == axis.dims]
 
 
-def _chosen(of: _Compared) -> Iterator[str]:
+def _chosen(of: Compared) -> Iterator[str]:
     """The best along each axis."""
     free = of.free
     for dim, place in of.at.items():
-        yield f"any {dim}" if dim in free else _label(of.mean[dim], place) + " (an end)" * _at_end(of, dim)
+        yield f"any {dim}" if dim in free else one_of(of.mean[dim], place) + " (an end)" * _at_end(of, dim)
 
 
-def _at_end(of: _Compared, dim: Hashable) -> bool:
+def _at_end(of: Compared, dim: Hashable) -> bool:
     """Whether the best is the last of an axis's numbers to either side, and decided against the one beside it.
 
     Where no interval or error tells that, it is if the axis matters. Numbers of samples have no end.

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.report.yearly import (
     FAILED,
     HOUR,
     LEVEL,
+    MANY,
     YEAR,
     Table,
     cells,
@@ -36,6 +38,13 @@ NOTE = (
     f"Mean over realizations and sea states, these by their occurrence; low and high: {LEVEL:.0%} by Student's t"
     " of the realizations' power. With one realization there are none."
 )
+
+
+class _Design(NamedTuple):
+    """What a design takes."""
+
+    power: float  # of all floats [W]; -inf of those of which it is not known
+    lines: list[tuple[str, ...]]  # of each float and, last, of all
 
 
 def energies(data: xr.Dataset, variable: str = "absorbed_power", weights: Any = None) -> xr.Dataset:
@@ -93,15 +102,30 @@ def table(data: xr.Dataset) -> Table:
 
 
 def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
-    """Of every platform and other label, each float and all of them, as text; power over its scale [W]."""
+    """Of every platform and other label, each float and all of them, as text; power over its scale [W].
+
+    Of many all floats come first, those with the most power on top, and then each float in the same order.
+    """
+    parts: list[tuple[str, ...]] = []
     for variable, word in OF.items():
         if variable not in data:
             continue
-        values = powers(data, variable).compute()
-        for labels, part in cells(values, variable, ("float",)):
-            found, error = over_seas(part[variable], part), off(part[variable], part)
-            for name in part["float"].values.tolist():
-                each, power, other = (of.sel({"float": name}) for of in (part[variable], found, error))
-                if each.notnull().any():
-                    figures = marked(power.values, other, scale), texts(power.values * YEAR / (1e3 * scale))
-                    yield ", ".join([*labels, name]), word, *figures[0], *figures[1], counted(each)
+        designs = [*_by_design(data, variable, word, scale)]
+        if len(designs) > MANY:
+            designs.sort(key=lambda design: -design.power)
+            parts += [line for design in designs for line in design.lines[:-1]]
+            designs = [design._replace(lines=design.lines[-1:]) for design in designs]
+        yield from (line for design in designs for line in design.lines)
+    yield from parts
+
+
+def _by_design(data: xr.Dataset, variable: str, word: str, scale: float) -> Iterator[_Design]:
+    for labels, part in cells(powers(data, variable).compute(), variable, ("float",)):
+        found, error, lines = over_seas(part[variable], part), off(part[variable], part), []
+        for name in part["float"].values.tolist():
+            each, power, other = (of.sel({"float": name}) for of in (part[variable], found, error))
+            if each.notnull().any():
+                figures = marked(power.values, other, scale), texts(power.values * YEAR / (1e3 * scale))
+                lines.append((", ".join([*labels, name]), word, *figures[0], *figures[1], counted(each)))
+        total = found.sel(estimate="value").isel(float=-1).fillna(-math.inf)
+        yield _Design(float(total), lines)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report import arrays, envelopes, figures, report, series, sketch, strips
+from pipeline.report import arrays, envelopes, figures, ranking, report, series, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, png, svg
 from pipeline.report.figures import Results, short, told
@@ -79,6 +79,7 @@ def html(results: Results) -> str:
         held=_held(results),
         named=_held(results, *(dim for row in results.published for dim in row.selection)),
         answers=report.answers(results.data),
+        again=ranking.again(results.study.content, results.data),
     )
 
 

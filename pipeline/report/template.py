@@ -22,6 +22,7 @@ table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabul
 th, td { text-align: right; padding: .12rem .8rem .12rem 0; white-space: nowrap; }
 th { color: #666; font-weight: normal; border-bottom: 1px solid #bbb; vertical-align: bottom; white-space: normal; }
 .word { text-align: left; }
+pre { overflow-x: auto; font-size: .87rem; }
 .off { font-weight: 600; }
 .wide { overflow-x: auto; width: max-content; max-width: min(100vw - 3rem, 50vw + 28rem); }
 ul.note { margin: .4rem 0 0; padding-left: 1.2rem; }
@@ -45,6 +46,11 @@ ul.note { margin: .4rem 0 0; padding-left: 1.2rem; }
 {% endfor %}
 </table></div>
 {% endfor %}
+{% if again %}
+<h2>The same designs once more</h2>
+<p class="note">In a copy of the study file.</p>
+<pre>{{ again }}</pre>
+{% endif %}
 {% for title, lines in troubles.items() if lines %}
 <h2>{{ title }}</h2>
 <ul>

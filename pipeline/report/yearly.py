@@ -31,6 +31,7 @@ RUN = ("done", "stale", "failed")  # statuses of tasks that have run
 FAILED = "failed_realizations"
 ERROR = "record_error"  # what a task's number may be off by, in its unit
 ROWS = 60  # that a terminal shows of a table
+MANY = 10  # designs; of more than these the first of a ranking are told, and all floats before each
 BESIDE = (FAILED, ERROR)  # coordinates that go with tasks' numbers
 MARK = " *"
 OFF = (

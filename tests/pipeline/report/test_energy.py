@@ -12,7 +12,7 @@ from scipy import stats
 
 from pipeline.report import best
 from pipeline.report.energy import ALL, energies, rows, table
-from pipeline.report.yearly import OFF, ROWS, SURVIVORS, Table, show
+from pipeline.report.yearly import MANY, OFF, ROWS, SURVIVORS, Table, show
 
 README = Path(__file__).parents[3] / "studies" / "README.md"
 HOURS = 365.25 * 24
@@ -23,7 +23,7 @@ def dataset(power, occurrence=(3.0, 1.0), **coords):
     """Mean power (sea_state, seed, float) beside other statistics, which do not count."""
     power = np.asarray(power, float)
     each = np.stack([power if name == "mean" else 9e9 + 0 * power for name in STATISTICS], axis=-1)
-    known = {"float": ["front", "rear"][: power.shape[2]], "sea_state": [f"s{i}" for i in range(len(power))]}
+    known = {"float": FLOATS[: power.shape[2]], "sea_state": [f"s{i}" for i in range(len(power))]}
     data = xr.Dataset(
         {"absorbed_power": (("sea_state", "seed", "float", "statistic"), each)},
         coords={"statistic": STATISTICS, **known, **coords},
@@ -31,6 +31,7 @@ def dataset(power, occurrence=(3.0, 1.0), **coords):
     return data if occurrence is None else data.assign_coords(occurrence=("sea_state", list(occurrence)))
 
 
+FLOATS = ["front", "rear"]
 MIRRORED = [[[2e3, 1e3], [1e3, 2e3]], [[8e3, 4e3], [6e3, 6e3]]]  # what one float has less the other has more
 
 
@@ -78,6 +79,21 @@ def test_a_line_for_each_float_and_label():
     total = 0.75 * 3 + 0.25 * 12
     assert lines[2][2:] == ("5.25", "5.25", "5.25", *3 * [f"{total * HOURS / 1e3:.3g}"], "2")
     assert lines[4][2:] == lines[3][2:]
+
+
+def test_of_many_designs_all_floats_come_first_those_with_the_most_power_on_top():
+    """Of each power; one that failed is the last, and each float stands below in the same order."""
+    size = xr.DataArray(np.arange(1.0, MANY + 2), dims="sample")
+    data = (dataset(MIRRORED) * size).assign_coords(sample=np.arange(MANY + 1)).copy(deep=True)
+    data.absorbed_power[0, ..., 0] = np.nan
+    data["electrical_power"] = data.absorbed_power / size**2
+    lines = [line[:2] for line in rows(data)]
+    order = {"absorbed": [*range(MANY, 0, -1), 0], "electrical": [*range(1, MANY + 1), 0]}
+    assert lines[: 2 * MANY + 2] == [(f"sample {n}, {ALL}", word) for word, every in order.items() for n in every]
+    parts = [(f"sample {n}, {name}", word) for word, every in order.items() for n in every for name in FLOATS]
+    assert lines[2 * MANY + 2 :] == parts
+    few = [line[0] for line in rows(data.isel(sample=slice(MANY)))]
+    assert few[:3] == ["sample 0, front", "sample 0, rear", f"sample 0, {ALL}"]
 
 
 def test_a_single_float_and_a_single_realization():

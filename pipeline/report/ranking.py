@@ -1,0 +1,123 @@
+"""The first ten of a study's many designs, and lines of a study file with which they run again."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Hashable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from pipeline.report.best import ALONE, POWERS, Compared, by_how_much, compared, one_of, platforms, seas
+from pipeline.report.energy import OF
+from pipeline.report.yearly import LEVEL, MANY, Table, counted, marked, prefix, remarks, weighed
+from pipeline.study.layout import spaced
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from pipeline.study.schema import StudyFile
+
+TITLE = "Designs with the most power"
+NOTE = (
+    "Of all floats, mean over realizations and, by their occurrence, over sea states, else in each. Less: than the"
+    f" first by the mean of the differences in the same waves, with several realizations in brackets {LEVEL:.0%};"
+    " undecided: 0 is among these, or records may be off by as much."
+)
+INSTEAD = '# Instead of [samples] and [axes] over these keys; [solver] method = "time" runs them in the time domain.'
+
+
+class _Design(NamedTuple):
+    """One of those that are compared in some seas."""
+
+    words: str  # platform, seas and rank
+    at: dict[Hashable, int]  # its place
+    of: Compared
+    each: xr.DataArray  # its power in every task
+
+
+def table(data: xr.Dataset) -> Table:
+    """Of a study with many designs."""
+    data = weighed(data)
+    many = [design for design in first(data) if design.of.mean.size > MANY]
+    if not many:
+        return Table(TITLE, (), [], NOTE)
+    variable = _variable(data)
+    unit, scale = prefix(data[variable].sel(statistic="mean"))
+    lines = [_line(design, scale) for design in many]
+    header = "", "design", f"mean {OF[variable]} power [{unit}W]", f"less by [{unit}W]", "realizations"
+    alone = ALONE * ("discretization_error" in data and "Hs" in data.coords and data.sizes.get("seed", 1) == 1)
+    return Table(TITLE, header, lines, NOTE + alone + remarks(lines))
+
+
+def _variable(data: xr.Dataset) -> str:
+    return next((name for name in POWERS if name in data), "")
+
+
+def first(data: xr.Dataset, count: int = MANY) -> Iterator[_Design]:
+    """So many of every platform, the one with the most power first, of all seas if somebody said how often they come,
+    else of each."""
+    variable = _variable(data)
+    for labels, part, designs in platforms(data, variable) if variable else ():
+        every = [*seas(part, variable)]
+        for sea, some in every[:1] if "occurrence" in part.coords else every:
+            of = compared(some[variable], designs, some)
+            if not of.mean.fillna(0.0).any():
+                continue
+            known = int(of.mean.notnull().sum())
+            among = f" (of {known} among {of.mean.size})" * (known < of.mean.size)
+            order = np.argsort(-of.mean.fillna(-math.inf).values, axis=None, kind="stable")
+            for rank, place in enumerate(order[: min(count, known)], start=1):
+                at = {dim: int(i) for dim, i in zip(of.mean.dims, np.unravel_index(place, of.mean.shape), strict=True)}
+                words = ", ".join(filter(None, [*labels, f"{sea}{among}", f"number {rank}"]))
+                yield _Design(words, at, of, some[variable].isel(at))
+
+
+def _line(design: _Design, scale: float) -> tuple[str, ...]:
+    of, at = design.of, design.at
+    words = ", ".join(one_of(of.mean[dim], place) for dim, place in at.items())
+    power, *_ = marked(of.found.isel(at).values, of.off.isel(at), scale)
+    less = "-" if at == of.at else by_how_much(of, at, scale) + " undecided" * bool(of.undecided.isel(at))
+    return design.words, words, power, less, counted(design.each)
+
+
+def block(study: StudyFile, data: xr.Dataset, count: int = MANY) -> str:
+    """Lines of a study file that go along so many of the best designs, each once; empty where none are compared."""
+    found = [
+        {dim: design.of.mean[dim].values[place].item() for dim, place in design.at.items()}
+        for design in first(weighed(data), count)
+    ]
+    keys = [_keys(study, labels) for i, labels in enumerate(found) if labels not in found[:i]]
+    if not keys:
+        return ""
+    lists = [f"{json.dumps(path)} = {toml([values[path] for values in keys])}" for path in keys[0]]
+    return "\n".join([INSTEAD, "[[axes.together]]", 'name = "best"', *lists])
+
+
+def again(study: StudyFile, data: xr.Dataset) -> str:
+    """Those lines of a study whose designs are many."""
+    return block(study, data) if table(data).lines else ""
+
+
+def _keys(study: StudyFile, labels: Mapping[Hashable, Any]) -> dict[str, Any]:
+    """What a design has of the keys that the study varies, by their paths."""
+    keys: dict[str, Any] = {}
+    varied = {axis.name: axis for axis in study.varied}
+    for dim, label in labels.items():
+        if dim in varied:
+            keys |= varied[dim].at(varied[dim].labels.index(label))
+        elif dim == "hinge_spacing":
+            keys |= {f"floats.{item.name}.hinge.0": item.hinge[0] for item in spaced(study.floats, label)}
+        else:
+            keys["floats.*.pto_damping"] = label
+    return keys
+
+
+def toml(value: Any) -> str:
+    """A value as a study file has it."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{json.dumps(key)} = {toml(of)}" for key, of in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
