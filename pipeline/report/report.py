@@ -18,7 +18,7 @@ from rich.markup import escape
 from rich.segment import Segments
 from rich.table import Table
 
-from pipeline.report import best, energy, governing, life, ranking, yearly
+from pipeline.report import bearing, best, energy, governing, life, ranking, yearly
 from pipeline.report.governing import COMPONENTS, unit
 from pipeline.report.units import allowed, factor
 from pipeline.report.yearly import FAILED, counted, realized
@@ -334,8 +334,8 @@ def sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
 
 
 def answers(data: xr.Dataset) -> list[yearly.Table]:
-    """What a study is for, as far as it is of that: the best designs, energy, governing seas, fatigue life."""
-    return [of.table(data) for of in (best, ranking, energy, governing, life)]
+    """What a study is for, as far as it is of that: the best designs, energy, governing seas, steel and its life."""
+    return [of.table(data) for of in (best, ranking, energy, governing, bearing, life)]
 
 
 def estimated(data: xr.Dataset) -> str:
