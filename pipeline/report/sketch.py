@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Point = tuple[float, float]  # x, z [m]
+DIGITS = 3  # of places that are one [m]
 FEW = 1e-9  # m; shorter is seen end on
 
 
@@ -148,10 +149,13 @@ def draw(axes: Axes, scene: Parameters, box: Box) -> None:
 
 def label(axes: Axes, scene: Parameters) -> None:
     """Names of the floats, the depth of the water, and the way the waves go."""
+    places: dict[Point, dict[str, str]] = {}  # names and colours; floats behind one another share a place
     for index, item in enumerate(scene.floats):
-        points = float_outline(item)
-        x, low = centre(item)[0], min(z for _, z in points)
-        axes.text(x, low - 0.15, item.name, ha="center", va="top", color=colour(index))
+        at = round(centre(item)[0], DIGITS), round(min(z for _, z in float_outline(item)), DIGITS)
+        places.setdefault(at, {})[item.name] = colour(index)
+    for (x, low), named in places.items():
+        shade = INK if len(named) > 1 else next(iter(named.values()))
+        axes.text(x, low - 0.15, ", ".join(named), ha="center", va="top", color=shade)
     corner: dict[str, Any] = {"transform": axes.transAxes, "fontsize": "small"}
     axes.text(0.02, 0.02, _depth(scene), ha="left", va="bottom", color=colour(0), **corner)
     along = math.cos(scene.waves.heading)
@@ -161,6 +165,8 @@ def label(axes: Axes, scene: Parameters) -> None:
         style: dict[str, Any] = {"arrowstyle": "->", "color": INK, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", tip, start, xycoords="axes fraction", arrowprops=style)
         axes.text(0.11, 0.93, "waves", ha="center", va="bottom", **corner)
+        if scene.waves.heading:  # which a side view shows foreshortened
+            axes.text(0.02, 0.9, f"heading {scene.waves.heading:g} rad", ha="left", va="top", **corner)
 
 
 def _depth(scene: Parameters) -> str:
