@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.report.drawing import PAPER, canvas, categories, lanes
-from pipeline.report.figures import CROSS, ROOM, Measure, Results, draw_spread, finite, key, series
+from pipeline.report.figures import CROSS, ROOM, SUPPORT, Measure, Results, draw_spread, finite, key, series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,10 +95,11 @@ def _draw_numbers(axes: Axes, results: Results, quantity: Measure, dim: str, nam
     for sea, marker in results.marked.items():
         values = _values(results, quantity, dim, sea)
         for item, support, look in series(results, quantity.variable):
+            shown = {**look, "marker": marker} if len(results.marked) > 1 else look
             part = values.sel({"platform": support, "float": item})
             means = [finite(part.isel({dim: i})) / quantity.scale for i in range(len(places))]
             kept = sorted((place, numbers.mean()) for place, numbers in zip(places, means, strict=True) if numbers.size)
-            axes.plot(*np.array(kept).reshape(-1, 2).T, marker=marker, **style, **look)
+            axes.plot(*np.array(kept).reshape(-1, 2).T, label=f"{item}, {SUPPORT[support]}", **style, **shown)
     if in_ratios(places):
         axes.set_xscale("log")
     axes.set_ylabel(quantity.words)

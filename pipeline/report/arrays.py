@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.report.along import VARIANT
-from pipeline.report.drawing import COLOURS, FAINT, INK, STEEL, canvas, colour
+from pipeline.report.drawing import FAINT, INK, STEEL, canvas, colour, dash, legend, marker
 from pipeline.report.figures import Results
 from pipeline.report.report import first_platform
 from pipeline.report.sketch import first_scene
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 HEADING = "heading"
-DASHES = ("-", "--", ":", "-.")
 MARGIN = 0.15  # about the floats, of their extent
 DIGITS = 6  # of distances between anchors and floats [m], which differences of coordinates round
 
@@ -100,12 +99,11 @@ def by_period(results: Results) -> Figure | None:
         for index, item in enumerate(results.labels("float")):
             numbers = rao.sel(axis=axis, float=item).values[order]
             if np.isfinite(numbers).any():
-                style = DASHES[index // len(COLOURS) % len(DASHES)]
-                axes.plot(period[order], numbers, style, color=colour(index), linewidth=1.3, label=item)
+                axes.plot(period[order], numbers, dash(index), color=colour(index), linewidth=1.3, label=item)
         unit = str(rao.sel(axis=axis).axis_unit.values) if "axis_unit" in rao.coords else ""
         axes.set(xlabel="period [s]", ylabel=f"{axis} [{unit}/m]" if unit else axis)
         axes.set_ylim(bottom=0.0)
-        axes.legend(frameon=False, fontsize="small")
+        legend(axes)
     for axes in places[len(moving) :]:
         axes.set_visible(False)
     return figure
@@ -226,17 +224,20 @@ def gain(results: Results) -> Figure | None:
         for index, label in enumerate(several):
             if name == "period":
                 if (curve := curves[label]) is not None:
-                    axes.plot(*curve, color=colour(index), label=label)
+                    axes.plot(*curve, dash(index), color=colour(index), label=label)
             elif name == HEADING:
                 q = _held(results, q_factor(results, single, label)).sel(sea_state=results.sea)
-                axes.plot(np.degrees(q[HEADING].values), q.values, "o-", color=colour(index), label=label)
+                axes.plot(
+                    np.degrees(q[HEADING].values), q.values, marker(index) + "-", color=colour(index), label=label
+                )
             else:
                 q = _held(results, q_factor(results, single, label), HEADING)
-                axes.plot(results.seas, q.sel(sea_state=results.seas).values, "o", color=colour(index), label=label)
+                values = q.sel(sea_state=results.seas).values
+                axes.plot(results.seas, values, marker(index), color=colour(index), label=label)
         axes.axhline(1.0, color=FAINT, linewidth=0.9, zorder=0)
         axes.set_ylim(bottom=0.0)
         axes.set(xlabel={"period": "period [s]", HEADING: "heading [°]", "sea": "sea state"}[name], ylabel="q")
-        axes.legend(frameon=False, fontsize="small")
+        legend(axes)
         if name == "sea":
             axes.tick_params(axis="x", rotation=45)
     return figure

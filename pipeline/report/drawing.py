@@ -5,16 +5,22 @@ from __future__ import annotations
 import base64
 import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 # Okabe and Ito's colours, as far as they are dark enough on white.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+MARKERS = ("o", "s", "^", "D", "v", "P")
+DASHES = ("-", "--", ":", "-.")
+HIDDEN = 0.01  # of the height of axes: a line that is nowhere further from another hides it
 INK, FAINT, PAPER = "#333333", "#dddddd", "#000000"
 WATER, SAND, STEEL = "#dcebf5", "#d9cfbf", "#8a8f94"
 
@@ -54,6 +60,57 @@ def plain(size: float = 9.0) -> Iterator[None]:
 def colour(index: int) -> str:
     """Colour number `index`; after the last comes the first again."""
     return COLOURS[index % len(COLOURS)]
+
+
+def marker(index: int) -> str:
+    """Marker number `index`, another where colours begin again."""
+    return MARKERS[index // len(COLOURS) % len(MARKERS)]
+
+
+def dash(index: int) -> str:
+    """Style of line number `index`, another where colours begin again."""
+    return DASHES[index // len(COLOURS) % len(DASHES)]
+
+
+def together(every: Iterable[Axes], labels: Iterable[str]) -> list[list[str]]:
+    """Of these labels those that lines have, in one list those that hide one another in all axes, the top one last."""
+    lines: dict[str, list[tuple[Axes, Line2D]]] = {}
+    for axes in every:
+        for line in axes.lines:
+            lines.setdefault(str(line.get_label()), []).append((axes, line))
+    groups: list[list[str]] = []
+    for label in filter(lines.__contains__, labels):
+        over = (group for group in groups if _hide(lines[group[0]], lines[label]))
+        if (group := next(over, None)) is None:
+            groups.append([label])
+        else:
+            group.append(label)
+    return groups
+
+
+def _hide(ones: Sequence[tuple[Axes, Line2D]], others: Sequence[tuple[Axes, Line2D]]) -> bool:
+    if len(ones) != len(others):
+        return False
+    return all(
+        axes is there and _near(axes, one, other) for (axes, one), (there, other) in zip(ones, others, strict=True)
+    )
+
+
+def _near(axes: Axes, one: Line2D, other: Line2D) -> bool:
+    """Whether there are lines through the same x whose y hardly differ; those without points hide nothing."""
+    first, second = (np.asarray(line.get_xydata(), float) for line in (one, other))
+    if first.shape != second.shape or not np.isfinite(first).all(axis=1).any():
+        return False
+    low, high = axes.get_ylim()
+    room = np.array([0.0, HIDDEN * abs(high - low)])
+    return bool(((abs(first - second) <= room) | (np.isnan(first) & np.isnan(second))).all())
+
+
+def legend(axes: Axes) -> None:
+    """Names of the lines, those together that hide one another: their mark is that of the one on top."""
+    marks = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    groups = together([axes], marks)
+    axes.legend([marks[group[-1]] for group in groups], map(", ".join, groups), frameon=False, fontsize="small")
 
 
 def canvas(width: float, height: float) -> Figure:

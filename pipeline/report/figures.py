@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, lanes
+from pipeline.report.drawing import INK, MARKERS, PAPER, canvas, categories, colour, lanes, marker, together
 from pipeline.report.report import Published
 from pipeline.report.yearly import prefix
 from pipeline.study.seas import height
@@ -28,7 +28,6 @@ SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floa
 ROOM = 24  # sea states in one figure
 LINES = 12  # of floats in sea states on one platform that can be told apart
 COLUMNS = 6  # of marks in a row above a figure
-MARKERS = ("o", "s", "^", "D", "v", "P")  # of sea states that have a line each
 CROSS = "x"  # marks a published number
 
 
@@ -186,13 +185,13 @@ def series(results: Results, name: str) -> Iterator[tuple[str, str, dict[str, An
     for i, item in enumerate(results.labels("float")):
         for support in supports:
             face = colour(i) if support == "elastic" or len(supports) == 1 else "white"
-            yield item, support, {"color": colour(i), "markerfacecolor": face}
+            yield item, support, {"color": colour(i), "marker": marker(i), "markerfacecolor": face}
 
 
 def draw_spread(axes: Axes, numbers: np.ndarray, place: float, look: dict[str, Any]) -> None:
     """Mean of realizations as a dot at a place on the y axis, least and largest as a line through it."""
     axes.plot([numbers.min(), numbers.max()], [place] * 2, color=look["color"], linewidth=1.0)
-    axes.plot(numbers.mean(), place, "o", **look)
+    axes.plot(numbers.mean(), place, linestyle="", **look)
 
 
 def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
@@ -220,14 +219,18 @@ def crossed(figure: Figure) -> bool:
 
 
 def key(figure: Figure, results: Results, name: str, markers: Mapping[str, str] | None = None) -> None:
-    """What the marks of a drawn figure mean, above it; of sea states, if there are several, their markers."""
+    """What the marks of a drawn figure mean, above it; of sea states, if there are several, their markers.
+
+    Where lines have names, those that hide one another everywhere stand together.
+    """
     from matplotlib.lines import Line2D
 
     several = len(results.supports(name)) > 1
-    marks = [
-        Line2D([], [], marker="o", linestyle="", label=f"{item}, {SUPPORT[support]}" if several else item, **look)
-        for item, support, look in series(results, name)
-    ]
+    looks = {f"{item}, {SUPPORT[support]}": look for item, support, look in series(results, name)}
+    marks = []
+    for group in together(figure.axes, looks) or [[label] for label in looks]:
+        words = "; ".join(group) if several else ", ".join(label.rpartition(", ")[0] for label in group)
+        marks.append(Line2D([], [], linestyle="", label=words, **looks[group[-1]]))
     if markers and len(markers) > 1:
         marks += [Line2D([], [], marker=marker, linestyle="", color=INK, label=sea) for sea, marker in markers.items()]
     if crossed(figure):

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pipeline.bridge import realizations
-from pipeline.report.drawing import INK, canvas, colour
+from pipeline.report.drawing import COLOURS, INK, canvas, colour
 from pipeline.report.figures import FORCE, POWER
 from pipeline.report.strips import directions
 from pipeline.results.netcdf import Variable
@@ -195,8 +195,14 @@ def draw(rows: Sequence[Row]) -> Figure | None:
 
 
 def look(number: int) -> dict[str, Any]:
-    """Style of a line by its number, from 0: the second is dashed, so that the first shows where they nearly agree."""
-    return {"color": colour(number), "linestyle": "-" if number % 2 == 0 else (0, (3, 1))}
+    """Style of a line by its number, from 0: the second is dashed, so that the first shows where they nearly agree.
+
+    Where colours begin again dashes are others.
+    """
+    return {
+        "color": colour(number),
+        "linestyle": ("-", (0, (3, 1)), ":", "-.")[number % 2 + 2 * (number // len(COLOURS) % 2)],
+    }
 
 
 def window(lines: Sequence[Line]) -> float:

@@ -53,7 +53,7 @@ def _extremes(axes: Axes, results: Results, item: str, direction: str) -> None:
         for place, sea in enumerate(results.seas):
             for statistic in ("max", "min"):
                 numbers = finite(values.sel(platform=support, sea_state=sea, statistic=statistic)) / results.force[1]
-                axes.plot(numbers, np.full(numbers.size, place + lane), "o", linestyle="", **look)
+                axes.plot(numbers, np.full(numbers.size, place + lane), linestyle="", **look)
                 labels = {"sea_state": sea, "platform": support, "float": item, "direction": direction}
                 theirs = results.theirs(FORCE, statistic, **labels)
                 if theirs is not None:

@@ -99,6 +99,16 @@ def test_every_float_has_its_motion_by_period(results):
     assert arrays.by_period(alone) is None
 
 
+def test_floats_that_move_alike_have_one_name_in_the_key(results):
+    """Where one lies over the other along every period, else each has its own."""
+    for other, names in ((1.0, ["front, side"]), (1.1, ["front", "side"])):
+        data = results.data.copy(deep=True)
+        data.rao[0, ..., 1, 0, :] = other * data.rao[0, ..., 0, 0, :]
+        with plain():
+            (axes,) = arrays.by_period(figures.Results(study=results.study, data=data)).axes
+        assert [text.get_text() for text in axes.get_legend().get_texts()] == names
+
+
 def test_the_gain_is_over_as_many_floats_alone(results):
     """12 W over twice 5 W; half as much more from the other heading; by period c|rao|² of each."""
     assert arrays.alone(results) == ("one", ["both"])

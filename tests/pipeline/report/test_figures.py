@@ -218,6 +218,25 @@ def test_few_sea_states_have_a_line_each_along_an_axis(results, count, told):
         assert len(replace(varied, data=fleet).marked) == max(1, lines)
 
 
+def test_floats_beyond_the_colours_have_other_marks_and_those_that_hide_one_another_one_name(results):
+    """Eight floats: the first two and the last move alike, all others each by itself."""
+    one = dataset()[["absorbed_power", "rotation"]].isel(sea_state=[1], platform=[0])
+    one = one.where(one.seed == 0)
+    size = dict(zip([f"f{i}" for i in range(8)], [1.0, 1.001, 2.0, 3.0, 4.0, 5.0, 6.0, 1.0], strict=True))
+    data = xr.concat([share * one.assign_coords(float=[name]) for name, share in size.items()], "float")
+    data = xr.concat([data.assign_coords(pto_damping=b) for b in (1e5, 2e5)], "pto_damping")
+    fleet = figures.Results(study=results.study, data=data)
+    looks = [(look["color"], look["marker"]) for _, _, look in figures.series(fleet, "absorbed_power")]
+    assert len(set(looks)) == 8 and [mark for _, mark in looks] == ["o"] * 6 + ["s"] * 2
+    with plain():
+        figure = along(fleet, "pto_damping")
+        by_sea = figures.sea_states(fleet)
+    (key,), (apart,) = figure.legends, by_sea.legends
+    assert [text.get_text() for text in key.get_texts()] == ["f0, f1, f7", *(f"f{i}" for i in range(2, 7))]
+    assert key.legend_handles[0].get_marker() == "s"  # of the one on top
+    assert [text.get_text() for text in apart.get_texts()] == [*size]
+
+
 @pytest.mark.parametrize(
     ("values", "scale"),
     [
@@ -586,6 +605,20 @@ def test_floats_without_a_platform(study_of, buan_tables, hull, heading):
     with plain():
         (axes,) = sketch.side_view(study).axes
     assert ("waves" in [text.get_text() for text in axes.texts]) == (heading != 1.5707963)
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.5236])
+def test_floats_behind_one_another_share_their_names_place_and_a_heading_is_told(study_of, buan_tables, heading):
+    front, rear = buan_tables["floats"]
+    x, y, z = front["hinge"]
+    buan_tables["floats"] = [front, front | {"name": "behind", "hinge": [x, y + 4.0, z]}, rear]
+    buan_tables["waves"]["heading"] = heading
+    tables = {key: buan_tables[key] for key in ("water", "waves", "sea_states", "floats")}
+    with plain():
+        (axes,) = sketch.side_view(study_of(tables).content).axes
+    words = [text.get_text() for text in axes.texts]
+    assert {"front, behind", "rear", "waves"} < {*words} and not {"front", "behind"} & {*words}
+    assert ("heading 0.5236 rad" in words) == bool(heading)
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -160,3 +160,7 @@ def test_theory_is_of_the_sea_that_an_axis_makes(small, results):
         series._spectrum(axes, series.Series(figures.Results(study=study, data=results.data)), line)
         peaks.append(axes.lines[1].get_ydata().max())
     assert peaks[1] == pytest.approx(peaks[0] / 4)
+
+
+def test_lines_beyond_the_colours_look_otherwise():
+    assert len({(series.look(n)["color"], series.look(n)["linestyle"]) for n in range(12)}) == 12
