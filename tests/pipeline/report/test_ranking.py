@@ -68,6 +68,8 @@ def test_designs_that_are_not_compared_have_no_rank():
     data.absorbed_power[0, -1, 0] = np.nan
     lines = table(data).lines
     assert lines[0][:2] == (f"all seas (of {COUNT - 1} among {COUNT}), number 1", f"sample {COUNT - 2}")
+    data.absorbed_power[0, 3:, 0] = np.nan
+    assert [line[1] for line in table(data).lines] == ["sample 2", "sample 1", "sample 0"]
 
 
 def parameters(study, **labels):
