@@ -18,6 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 MARCH = "*/march.march-*.nbi"  # numba's index of the time loop, which calls all other kernels and is compiled last
+STATICS = "*/equilibrium._balances-*.nbi"  # that of the loads anywhere, by which it is found where floats rest
 BENDING = b"solver.coupled.pieces.fine"  # of which that index tells where the loop is compiled for laws that bend, too
 PROGRAM = "wecplatform"
 PACKAGES = (PROGRAM, "numpy", "scipy", "numba", "capytaine")
@@ -51,6 +52,11 @@ def compiled(bends: bool) -> bool:
     """
     indices = Path(os.environ.get("NUMBA_CACHE_DIR", "")).glob(MARCH)
     return any(not bends or BENDING in index.read_bytes() for index in indices)
+
+
+def statics_compiled() -> bool:
+    """Whether there is machine code of what tells where floats rest: making it takes a part of that time."""
+    return any(Path(os.environ.get("NUMBA_CACHE_DIR", "")).glob(STATICS))
 
 
 def _writable_cache() -> Path:

@@ -179,6 +179,18 @@ def reduce(parameters: Parameters) -> None:
         prepare(replace(scene, floats=(), settings=scene.settings.paths), None)
 
 
+def statics(parameters: Parameters) -> str:
+    """Why a task will end where it begins, for its floats do not rest in still water; empty where they do."""
+    from pipeline.bridge import scenes
+    from solver.coupled.statics import statics
+
+    scene = scenes.scene(parameters)
+    known = None
+    if parameters.coefficients and (geometry := geometry_of(parameters)):
+        known = given_hydrodynamics(geometry)
+    return statics(scene, known)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Engine:
     """The physics as a few functions, so that the pipeline can be tested and timed without it."""
@@ -188,6 +200,7 @@ class Engine:
     compute: Callable[[Parameters, bytes | None], Record] = compute
     judge: Callable[[Parameters], Sequence[str] | None] = judge
     reduce: Callable[[Parameters], None] = reduce
+    statics: Callable[[Parameters], str | None] = statics
 
 
 class _Made(NamedTuple):
@@ -216,6 +229,16 @@ def attempt_coefficients(engine: Engine, geometries: Sequence[Geometry], shares:
 
     outcome = _attempt(first)
     return [replace(outcome, result=made[n]) if made else outcome for n in range(len(geometries))]
+
+
+def attempt_statics(engine: Engine, tasks: Sequence[Parameters]) -> list[Outcome]:
+    """For each task as a warning why it will end where it begins, if it will."""
+    environment.prepare()
+    return [_attempt(partial(_statics, engine, task)) for task in tasks]
+
+
+def _statics(engine: Engine, parameters: Parameters) -> _Made:
+    return _Made(b"", warnings=engine.statics(parameters) or "")
 
 
 def attempt_tasks(engine: Engine, tasks: Sequence[tuple[str, Parameters]], coefficients: bytes | None) -> list[Outcome]:

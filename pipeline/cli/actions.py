@@ -43,6 +43,19 @@ def preflight(study: Study, tasks: Tasks) -> list[str]:
     return told
 
 
+def look_at_rest(study: Study, tasks: Tasks) -> None:
+    """Whether floats rest in still water, which a run looks at beside its boundary elements."""
+    from pipeline.bridge.engine import Engine, attempt_statics
+    from pipeline.bridge.preflight import designs, restless
+
+    some, engine = designs(study.content, tasks.passing()), Engine()
+    if some and not environment.statics_compiled():
+        say("compiling the solver's statics: about a minute, once for each state of its sources", err)
+    outcomes = attempt_statics(engine, [task.parameters for task in some])
+    for text in restless(study.content, some, [outcome.warnings for outcome in outcomes]):
+        say(f"{study.path}: warning: {text}", err)
+
+
 def tell_of_compiler(content: StudyFile) -> None:
     """Where the study's marches, which its keys tell of, are yet to be compiled: a run is silent meanwhile."""
     varied = {part for axis in content.varied for path in axis.keys for part in path.split(".")}

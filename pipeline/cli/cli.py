@@ -102,6 +102,7 @@ def plan(study_file: StudyPath, results: ResultsFolder = RESULTS, select_: Selec
 
     study, tasks, store = _open(study_file, results, select_)
     actions.preflight(study, tasks)
+    actions.look_at_rest(study, tasks)
     tally, estimate = Tally(), Estimate()
     for task in tasks:
         entry = store.look(task)

@@ -10,8 +10,17 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline import environment
+from pipeline.bridge import preflight
 from pipeline.bridge.cache import Cache
-from pipeline.bridge.engine import Engine, Failure, Outcome, attempt_coefficients, attempt_share, attempt_tasks
+from pipeline.bridge.engine import (
+    Engine,
+    Failure,
+    Outcome,
+    attempt_coefficients,
+    attempt_share,
+    attempt_statics,
+    attempt_tasks,
+)
 from pipeline.bridge.geometry import BEM_VERSION, Geometry, bem_time, geometry_of, of_joints
 from pipeline.results.packs import Row
 from pipeline.results.store import UNFINISHED, Store
@@ -19,6 +28,7 @@ from pipeline.running import schedule
 from pipeline.running.batches import AHEAD, Batch, Batches
 from pipeline.running.place import Place
 from pipeline.running.schedule import Lost
+from pipeline.study.schema import StudyFile
 from pipeline.tasks.task import Task, axes, digest
 from pipeline.tasks.tasklist import Tasks
 
@@ -58,7 +68,7 @@ class Campaign:
         tasks = tasks.unique
         failed: list[Task] = []
         with schedule.pool(self._work(tasks, broken), self.place, self.say) as pool:
-            for task, outcome in _Run(self, pool, watch).outcomes(tasks, broken):
+            for task, outcome in _Run(self, tasks.study, pool, watch).outcomes(tasks, broken):
                 if isinstance(outcome.result, Failure):
                     failed.append(task)
                     if not self.keep_going:
@@ -116,11 +126,19 @@ class _Solution:
         return sum(share.wall_time for share in self.shares if share)
 
 
+@dataclass(eq=False)
+class _Designs:
+    """Tasks of which it is looked whether they rest in still water, beside the boundary elements they wait for."""
+
+    tasks: list[Task]
+
+
 @dataclass
 class _Run:
     """One run of a campaign on an open pool."""
 
     campaign: Campaign
+    study: StudyFile
     pool: schedule.Pool
     watch: Watch
     batches: Batches = field(default_factory=Batches)
@@ -155,7 +173,15 @@ class _Run:
                 self.batches.add(members, data, self.block)
             else:
                 self.waiting[geometry] = members
+        self._look()
         self._solve()
+
+    def _look(self) -> None:
+        """A piece of work like any other, for it may have to compile first, which tasks would do later."""
+        solved = [some for geometry, some in self.waiting.items() if geometry.flow and not geometry.coefficients]
+        if designs := preflight.designs(self.study, itertools.chain(*solved)):
+            some = [task.parameters for task in designs]
+            self.pool.submit(_Designs(designs), attempt_statics, self.campaign.engine, some)
 
     def _solve(self) -> None:
         """Each worker has a share of the frequencies of whatever radiates, or several; headings go along."""
@@ -200,6 +226,9 @@ class _Run:
             yield from self._solved(key, outcomes)
             if key.names and not isinstance(results, Lost):  # nor are they good for a second time if the whole failed
                 Cache(self.campaign.results).drop_shares(key.names)
+        elif isinstance(key, _Designs) and not isinstance(results, Lost):
+            for text in preflight.restless(self.study, key.tasks, [outcome.warnings for outcome in results]):
+                self.campaign.say(f"{self.campaign.study}: warning: {text}")
         elif isinstance(key, Batch):
             self.out -= 1
             if isinstance(results, Lost) and len(key.tasks) > 1:

@@ -54,6 +54,7 @@ def without_physics(one, compute):
         compute=compute,
         judge=nothing,
         reduce=nothing,
+        statics=nothing,
     )
 
 

@@ -524,7 +524,7 @@ def test_a_rerun_to_the_same_bits_leaves_dataset_and_report_alone(cli, tmp_path,
 
 def test_a_run_says_that_it_compiles(cli, tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    assert "compiling" not in cli("plan")
+    assert "compiling the solver:" not in cli("plan")  # its statics alone
     assert "compiling" in cli("run", "--workers", "1")
     assert "compiling" not in cli("run")  # nothing to run
     monkeypatch.setattr("pipeline.environment.compiled", lambda _bends: True)
@@ -963,6 +963,61 @@ def test_odd_and_impossible_seas_are_named_whichever_they_are(three_seas, engine
 
         with pytest.raises(StudyError, match=f"sea = {height}: must be calm"):
             preflight.judge(study, expand(study.content), replace(engine, judge=refuse))
+
+
+def overturning(p):
+    """What is said of stiff joints' floats, as if those fell over."""
+    return "the equilibrium is unstable" * (p.floats[0].pto_stiffness == 2.0)
+
+
+STIFFNESS = "[axes]\n'floats.front.pto_stiffness' = [1.0, 2.0]\n'floats.front.damping' = [0.0, 1e3]"
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_what_does_not_rest_is_told_by_a_run_before_its_boundary_elements(small, engine, tmp_path, workers):
+    """Once, of each design, by a worker or here; and no more where the coefficients are there."""
+    small.write_text(small.read_text().replace("[axes]", STIFFNESS))
+    told, heard = [], []
+    job = replace(
+        campaign(small, tmp_path / "r", replace(engine, statics=overturning), workers=workers), say=told.append
+    )
+    tasks = load(small).tasks
+
+    def watch(what, _):
+        heard.append((type(what).__name__, len(told)))
+
+    job.run(tasks, watch)
+    where = 'axes."floats.front.pto_stiffness" = 2.0'
+    assert told == [f"{small}: warning: {where}: the equilibrium is unstable"]
+    if workers == 1:
+        assert ("Geometry", 1) in heard
+    told.clear()
+    job.run(tasks, watch)
+    assert told == []
+
+
+def test_plan_tells_what_does_not_rest_and_that_it_compiles_for_that(small, cli, engine, monkeypatch, tmp_path):
+    small.write_text(small.read_text().replace("[axes]", STIFFNESS))
+    monkeypatch.setattr("pipeline.bridge.engine.Engine", lambda: replace(engine, statics=overturning))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    told = cli("plan")
+    assert "compiling the solver's statics: about a minute" in told
+    assert 'axes."floats.front.pto_stiffness" = 2.0: the equilibrium is unstable\n' in told
+    (folder := tmp_path / "coupled_1").mkdir()
+    (folder / "equilibrium._balances-61.py311.nbi").touch()
+    assert "compiling" not in cli("plan")
+
+
+def test_one_of_those_that_rest_alike_is_looked_at_and_of_many_some(small):
+    small.write_text(small.read_text().replace("[axes]", STIFFNESS + "\n'sea.Hs' = [0.5, 0.6]"))
+    content = load(small).content
+    looked = [task.parameters for task in preflight.designs(content, expand(content))]
+    assert [(bool(p.platform), p.floats[0].pto_stiffness) for p in looked] == [(True, 1.0), (True, 2.0), (False, 1.0)]
+    values = ", ".join(map(str, range(1, 41)))
+    small.write_text(small.read_text().replace("[1.0, 2.0]", f"[{values}]"))
+    content = load(small).content
+    looked = preflight.designs(content, expand(content))
+    assert len(looked) == preflight.REDUCED
 
 
 def test_where_nothing_is_solved_for_none_is_told_of(small, cli):
