@@ -18,9 +18,9 @@ from pipeline.study.seas import Components, Regular, Still, Waves
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Label, Parameters, Task
 
-REDUCED = 8  # frames, of more
-# Sea states and seeds are judged from the file alone, each value along an axis over keys once.
+REDUCED = 8  # frames and designs at rest, of more
 CALM = Still(kind="still")
+# Sea states and seeds are judged from the file alone, each value along an axis over keys once.
 CONFIGURATION = ("platform", "pto_damping", "hinge_spacing")
 
 
