@@ -106,15 +106,15 @@ def drag_effect(
     case: Case, response: Response, level: np.ndarray, lines: np.ndarray, told: Mapping[str, np.ndarray]
 ) -> Effect:
     """level (1, ny) and lines (nl, ny): of the frame's forces; told: statistics of tops and feet."""
-    channels, waves = case.channels, case.waves.size
-    if channels.legs is None or not case.stations.size:
+    channels, support, waves = case.channels, case.system.support, case.waves.size
+    if support is None or channels.legs is None or not case.stations.size:
         return Effect(0.0, 1.0)
     push, nm = response.drag.modes[:waves], len(channels.legs.tops)
     tops, of_tops = channels.legs.tops.reshape(nm, -1), told["top_displacement"].reshape(-1, len(STATISTICS))
     std = of_tops[:, STATISTICS.index("std")]
     moved = std > FAINT * std.max()
     tops, of_tops, std = tops[:, moved], of_tops[moved], std[moved]
-    gains = _gains(case, np.diag(response.damping)[:nm], push)
+    gains, of_accelerations = _gains(case, np.diag(response.damping)[:nm], push)
     p = gains[0] * push
     driven = p @ tops
     if not driven.any():
@@ -125,6 +125,12 @@ def drag_effect(
     g = _Law.of(case.stations, (-1j * case.waves[:, None] * response.X[:waves, :nm]).T, m, Q)
     higher = _overtones(case, g, gains[1:], push, Q) @ tops
     error = float(np.max(np.hypot(1, gaussian.spread(higher) / std) - 1))
+    if channels.nodes:
+        shapes, of_nodes = support.node_shapes.reshape(nm, -1), told["node_acceleration"].reshape(-1, len(STATISTICS))
+        shaken = gaussian.spread(_overtones(case, g, of_accelerations, push, Q) @ shapes)
+        usual = of_nodes[:, STATISTICS.index("std")]
+        felt = usual > FAINT * usual.max()
+        error = max(error, float(np.max(np.hypot(1, shaken[felt] / usual[felt]) - 1)))
     whole, mean = response.X[:, :nm] @ tops, of_tops[:, STATISTICS.index("mean")]
     if waves == 1:
         extremes, kept = _of_overtones(mean, np.concatenate([whole, higher])), 1.0
@@ -149,9 +155,9 @@ def drag_effect(
     return Effect(error, extremes)
 
 
-def _gains(case: Case, drag: np.ndarray, push: np.ndarray) -> np.ndarray:
+def _gains(case: Case, drag: np.ndarray, push: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(3, nw, nm): of the frame's modes to forces at the waves, push (nw, nm), and to second and third orders where no
-    line is.
+    line is; and of their accelerations to these (2, nw, nm).
 
     That is at twice and three times a wave's frequency; of a sea at as much more as the mean one and twice that, as
     large as in the mean over sums of two and three of all frequencies, where no wave is as fast: a few lines beside a
@@ -164,15 +170,24 @@ def _gains(case: Case, drag: np.ndarray, push: np.ndarray) -> np.ndarray:
     def gain(at: np.ndarray, besides: np.ndarray) -> np.ndarray:
         return np.asarray(1 / (own**2 - 1j * (2 * ratio * own + besides) * at - at**2))
 
-    linear, higher = gain(waves[:, None], 0 * drag), gain(waves[:, None] + ORDERS * (waves @ power), drag)
+    at = waves[:, None] + ORDERS * (waves @ power)
+    linear, higher = gain(waves[:, None], 0 * drag), gain(at, drag)
+    of_accelerations = at**2 * higher
     if waves.size > 1:
         step = waves.max() / BINS
         each = np.fft.rfft(np.bincount(np.rint(waves / step).astype(int), power), 4 * BINS)
         sums = np.fft.irfft(each ** np.array([[2], [3]]), 4 * BINS)
         above = np.arange(BINS + 1, 3 * BINS + 1)
-        mean = sums[:, above] @ np.abs(gain(step * above[:, None], drag)) ** 2
-        higher *= np.sqrt(mean.clip(min=0.0))[:, None] / np.abs(higher)
-    return np.concatenate([linear[None], higher])
+        at = step * above[:, None]
+        square = np.abs(gain(at, drag)) ** 2
+        higher *= _sizes(sums[:, above] @ square) / np.abs(higher)
+        of_accelerations *= _sizes(sums[:, above] @ (at**4 * square)) / np.abs(of_accelerations)
+    return np.concatenate([linear[None], higher]), of_accelerations
+
+
+def _sizes(squares: np.ndarray) -> np.ndarray:
+    """Of orders (2, nm), as of each wave (2, 1, nm)."""
+    return np.asarray(np.sqrt(squares.clip(min=0.0))[:, None])
 
 
 def _overtones(case: Case, g: _Law, gains: np.ndarray, push: np.ndarray, Q: np.ndarray) -> np.ndarray:
