@@ -22,7 +22,7 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import Bits, shared
 from solver.limits import slides
 from solver.multibody.of_axes import pto_stiffness_at_rest
-from solver.scene import MOST_STEPS, STEPS, Scene, fitting, two_digits, unit_along
+from solver.scene import MOST_STEPS, STEPS, Scene, two_digits, unit_along
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
 PLATFORM = 6  # shapes that are told, besides one for each joint: the slowest of all
@@ -277,7 +277,7 @@ def with_usual_step(system: System, modes: SystemModes) -> System:
         step = two_digits(min([step, *2 * np.pi / STEPS / moved(system).swung]))
         while step > least and missed(system, step) > MISSED:
             step, what = two_digits(SHORTER * step), "load histories"
-    if (step := fitting(step, s.duration)) < least:
+    if (step := two_digits(step)) < least:
         what += f" ask for steps of {step:g} s, more than {MOST_STEPS} in {s.discard + s.duration:g} s"
         raise SimulationFailed(f"{what}: set solver.time_step, if nothing sets the fastest of them swinging")
     return system.with_step(step)

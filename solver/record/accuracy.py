@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.power_takeoff import PtoTable
 from solver.record.probe import UNTOLD, with_tables
-from solver.scene import Scene, Settings, fitting
+from solver.scene import Scene, Settings, two_digits
 
 ATTEMPTS = 6  # at most; each but the last costs the first probe.PROBE steps of a run, and their audit
 RULES = [(8, 4, 2), (12, 6, 3), (16, 12, 6), (24, 16, 8)]
@@ -103,7 +103,7 @@ def _shorter(settings: Settings, over: float) -> Settings:
     """With the step that errs `over` times less."""
     assert settings.time_step is not None, "asked of a run, with its step"
     share = float(np.clip(0.9 * over ** (-1 / STEP_ORDER), 0.3, 0.9))
-    return replace(settings, time_step=fitting(share * settings.time_step, settings.duration))
+    return replace(settings, time_step=two_digits(share * settings.time_step))
 
 
 def _tolerance(settings: Settings) -> float:

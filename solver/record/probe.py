@@ -191,7 +191,7 @@ def _ends_error(probe: Probe, samples: Mapping[str, np.ndarray]) -> float:
             return 0.0
         return statistics_error(system, short, lambda x, least, _: at_ends(x, least, share), samples)
     count = 2 * probe.steps
-    skipped = int(2 * system.scene.settings.discard / system.dt + NEXT)  # the first one is after half a step
+    skipped = int(np.ceil(2 * system.scene.settings.discard / system.dt - NEXT)) - 1  # the first one after half a step
     if skipped > count / 2:
         return statistics_error(system, short, at_ends, samples)
     settings = replace(short.settings, duration=short.settings.duration * (1 - skipped / count))
@@ -200,11 +200,13 @@ def _ends_error(probe: Probe, samples: Mapping[str, np.ndarray]) -> float:
 
 
 def _of_whole_periods(system: System) -> bool:
-    """Whether the record of a single wave ends as it begins, and samples fill it."""
-    sea, duration = system.scene.sea, system.scene.settings.duration
+    """Whether the record of a single wave ends as it begins, and its samples, with those at both ends, fill it."""
+    sea, s, gap = system.scene.sea, system.scene.settings, system.dt / 2
     omega = sea.omega[np.abs(sea.amplitude) > 0]
-    counts = duration * np.append(omega / (2 * np.pi), 2 / system.dt)
-    return omega.size == 1 and bool(np.all(np.abs(counts - np.round(counts)) < NEARLY * counts))
+    samples = np.floor((s.discard + s.duration) / gap + NEXT) - np.ceil(s.discard / gap - NEXT) + 1
+    periods = s.duration * omega / (2 * np.pi)
+    whole = np.abs(np.append(periods - np.round(periods), samples * gap / s.duration - 1)) < NEARLY
+    return omega.size == 1 and bool(whole.all())
 
 
 def stations_effect(probe: Probe, h: Hydrodynamics | None) -> float:

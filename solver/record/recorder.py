@@ -78,10 +78,9 @@ class Recorder:
         self.continuous = {*CONTINUOUS, *(() if holds(self.law).any() else POSITIONS)}
 
     def add(self, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
-        """Take in a block; statistics begin after `discard`, so that samples fill a record of whole steps, and end with
-        `duration`."""
+        """Take in a block; statistics begin after `discard` and end after `duration`."""
         s = self.scene.settings
-        inside = (times > s.discard + 1e-9) & (times < s.discard + s.duration + 1e-9)
+        inside = (times > s.discard - 1e-9) & (times < s.discard + s.duration + 1e-9)
         if not inside.any():
             return
         kept = slice(int(inside.argmax()), int(inside.argmax() + inside.sum()))

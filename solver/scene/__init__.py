@@ -19,7 +19,7 @@ from solver.scene.floats import (
     unlisted,
 )
 from solver.scene.platform import Platform, StructuralDamping
-from solver.scene.scene import MOST_STEPS, STEPS, Scene, fitting, require_waves, stays_in_plane, two_digits
+from solver.scene.scene import MOST_STEPS, STEPS, Scene, require_waves, stays_in_plane, two_digits
 from solver.scene.settings import (
     MOST_PANELS,
     OF_FLOATS,
@@ -59,7 +59,6 @@ __all__ = [
     "Utilisation",
     "Water",
     "falls_at",
-    "fitting",
     "is_planar",
     "load_unit_along",
     "needs_coefficients",

@@ -26,7 +26,6 @@ from solver.structure.tubular import may_be_utilised, of_no_metal, resistance
 
 FINEST = 200  # shares of its width that a gap is looked for by
 MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
-FEW_STEPS, NEARLY = 500, 0.8  # of a record, where half a step more or less tells; and how much less steps may be
 STEPS = 9  # in the shortest period that a scene has to follow
 MOST_SECTIONS = 200  # members whose section forces are put out, and nodes whose accelerations are
 MOST_CHECKED = 500  # elements whose utilisation is
@@ -321,18 +320,6 @@ def two_digits(step: float) -> float:
     """The largest number of two digits that is not above a step."""
     digit = 10.0 ** (np.floor(np.log10(step)) - 1)
     return float(f"{np.floor(step / digit * (1 + 1e-9)) * digit:.2g}")
-
-
-def fitting(step: float, duration: float) -> float:
-    """The largest number of two digits that is not above a step; of a record of few steps one whose halves, a sample
-    each, fill it, if that is not far below: others would stand for more or less time than it has."""
-    step = least = two_digits(step)
-    while duration < FEW_STEPS * step and least > NEARLY * step:
-        halves = 2 * duration / least
-        if abs(halves - round(halves)) < 1e-9 * halves:
-            return least
-        least = two_digits(least * (1 - 1e-6))
-    return step
 
 
 def require_waves(scene: Scene) -> None:

@@ -220,13 +220,14 @@ def test_higher_orders_meet_resonances_as_their_band_does():
     own, ratio, drag = np.array([2.9, 5.0]), np.array([0.03, 0.02]), np.array([0.1, 0.0])
     frame = SimpleNamespace(omega=own, damping=ratio)
     case = SimpleNamespace(waves=waves, system=SimpleNamespace(structure=frame))
-    linear, *higher = drag_effect._gains(case, drag, np.ones((9, 2)))
+    (linear, *higher), accelerated = drag_effect._gains(case, drag, np.ones((9, 2)))
 
     def gain(at, besides):
         return 1 / (own**2 - 1j * (2 * ratio * own + besides) * at[..., None] - at[..., None] ** 2)
 
     assert linear == approx(gain(waves, 0.0))
-    for order, found in zip((2, 3), higher, strict=True):
+    for order, found, shaken in zip((2, 3), higher, accelerated, strict=True):
         sums = np.sum(np.meshgrid(*[waves] * order), axis=0).ravel()
-        exact = np.sum(np.abs(gain(sums, drag)) ** 2 * (sums > waves.max())[:, None], axis=0) / sums.size
-        assert np.abs(found) ** 2 == approx(np.tile(exact, (9, 1)), rel=0.03)
+        each = np.abs(gain(sums, drag)) ** 2 * (sums > waves.max())[:, None] / sums.size
+        assert np.abs(found) ** 2 == approx(np.tile(each.sum(axis=0), (9, 1)), rel=0.03)
+        assert np.abs(shaken) ** 2 == approx(np.tile(sums**4 @ each, (9, 1)), rel=0.03)

@@ -464,14 +464,14 @@ def test_a_load_history_is_judged_where_it_bends_most():
 
 @pytest.mark.parametrize(
     ("periods", "step"),
-    [(2.0, None), (2.3, None), (2.0, 0.11)],
-    ids=["whole", "cut", "not filled"],
+    [(2.0, 0.2), (2.0, 0.23), (2.3, None)],
+    ids=["ends counted twice", "whole", "cut"],
 )
 def test_the_ends_of_a_record_that_is_short_beside_what_it_discards_are_told(periods, step):
     """Mean, rms and std of motion and power against those of 400 steps, at any phase: here of a model's float."""
     item, h = model_scale()
     period, worst, told = 2.3, 0.0, 0.0
-    settings = replace(item.settings, duration=periods * period, discard=46.0, ramp=7.0, froude_krylov="linear")
+    settings = replace(item.settings, duration=periods * period, discard=45.0, ramp=7.0, froude_krylov="linear")
     for phase in (0.0, 0.8, 1.6, 2.4):
         waves = regular(height=0.01, period=period, phase=phase)
         ours, fine = (
@@ -483,4 +483,3 @@ def test_the_ends_of_a_record_that_is_short_beside_what_it_discards_are_told(per
             x, exact = (record.variables[name][1][0] for record in (ours, fine))
             worst = max(worst, *np.abs(x[2:] - exact[2:]) / exact[[3, 3, 4]])
     assert told / 3 < worst < 3 * told
-    assert (worst < 2e-3) == (periods == 2.0 and step is None)
