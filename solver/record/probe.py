@@ -185,15 +185,13 @@ def _ends_error(probe: Probe, samples: Mapping[str, np.ndarray]) -> float:
         return statistics_error(system, short, at_ends, samples)
     if 2 * system.scene.settings.discard <= NEXT * system.dt:
         return statistics_error(system, short, from_start, samples)
-    share = system.scene.settings.duration / short.settings.duration
-    if share < 1:  # of the waves' start nothing is the record's, and it has less to be off by its ends of
-        if _of_whole_periods(system):
-            return 0.0
-        return statistics_error(system, short, lambda x, least, _: at_ends(x, least, share), samples)
     count = 2 * probe.steps
     skipped = int(np.ceil(2 * system.scene.settings.discard / system.dt - NEXT)) - 1  # the first one after half a step
     if skipped > count / 2:
-        return statistics_error(system, short, at_ends, samples)
+        share = system.scene.settings.duration / short.settings.duration  # of what the ends are off by it has less
+        if share < 1 and _of_whole_periods(system):
+            return 0.0
+        return statistics_error(system, short, lambda x, least, longer: at_ends(x, least, min(share, longer)), samples)
     settings = replace(short.settings, duration=short.settings.duration * (1 - skipped / count))
     rest = {name: x[skipped:] for name, x in samples.items()}
     return statistics_error(system, replace(short, settings=settings), partial(at_ends, begins=True), rest)
