@@ -23,9 +23,9 @@ from solver.multibody.joint_law import JointLaw
 from solver.record.effects import response_error
 from solver.statistics import STATISTICS
 
-NEAR = 1e-3  # [m or rad] to either side, of slopes
+NEAR = 1e-4  # [m or rad] to either side, of slopes
 TAUT = 2.0  # standard deviations, to where a line's slope is another
-COUNTS = 17, 9, 5  # nodes along each normal number, those that matter most first
+COUNTS = 17, 7, 3  # nodes along each normal number, those that matter most first
 ROUND = 72  # places on the circle of largest ones
 LITTLE = 1e-6  # of a slope's or a stiffness's largest part: less is none
 STD, MEAN, RMS = (STATISTICS.index(name) for name in ("std", "mean", "rms"))
@@ -108,6 +108,9 @@ def held(case: Case, Z: np.ndarray, z: np.ndarray) -> Held:
     at_rest = case.system.equilibrium[0]
     size, axes = np.linalg.eigh(gaussian.covariance(Z, Z))
     moves = size > LITTLE**2 * size.max()
+    if not moves.any():
+        none, nb = np.zeros(z.size), case.system.bodies.axes.size
+        return Held(none, np.zeros((nb, 6)), np.zeros((z.size, z.size)), np.zeros((nb, 6, z.size)), none, none)
     L, back = axes[:, moves] * np.sqrt(size[moves]), axes[:, moves] / np.sqrt(size[moves])
     K, by_z = _slopes_at_rest(case)
     stiff, turn = np.linalg.eigh(L.T @ (K + K.T) @ L / 2)
