@@ -50,13 +50,16 @@ def compiled(bends: bool) -> bool:
 
     bends: for joints whose law bends or jumps, which are compiled apart.
     """
-    indices = Path(os.environ.get("NUMBA_CACHE_DIR", "")).glob(MARCH)
-    return any(not bends or BENDING in index.read_bytes() for index in indices)
+    return any(not bends or BENDING in index.read_bytes() for index in _indices(MARCH))
 
 
 def statics_compiled() -> bool:
     """Whether there is machine code of what tells where floats rest: making it takes a part of that time."""
-    return any(Path(os.environ.get("NUMBA_CACHE_DIR", "")).glob(STATICS))
+    return any(_indices(STATICS))
+
+
+def _indices(of: str) -> Iterator[Path]:
+    return Path(os.environ.get("NUMBA_CACHE_DIR", "")).glob(of)
 
 
 def _writable_cache() -> Path:

@@ -91,8 +91,7 @@ class Compared(NamedTuple):
 
 def table(data: xr.Dataset) -> Table:
     """Of a study with several designs."""
-    data = weighed(data)
-    variable = next((name for name in POWERS if name in data), "")
+    data, variable = weighed(data), power_in(data)
     if not variable:
         return Table(TITLE, (), [], NOTE)
     unit, scale = prefix(data[variable].sel(statistic="mean"))
@@ -102,6 +101,11 @@ def table(data: xr.Dataset) -> Table:
     alone = ALONE * ("discretization_error" in data and "Hs" in data.coords)  # of marches in random seas
     note = NOTE + (PAIRED if second else alone) + OF_ERRORS * ("estimated_error" in data) + remarks(lines)
     return Table(TITLE, (*first, *second, "realizations"), lines, note)
+
+
+def power_in(data: xr.Dataset) -> str:
+    """The variable by which designs are compared; empty where there is none."""
+    return next((name for name in POWERS if name in data), "")
 
 
 def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[str, ...]]:

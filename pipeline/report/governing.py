@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Hashable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.report.yearly import Table, counted, named, of_survivors, realized
+from pipeline.report.yearly import Table, cells, counted, named, of_survivors, realized
 from pipeline.results.arrays import INNER
 from pipeline.results.variables import meaning
 
@@ -23,12 +22,8 @@ OF = (
     "utilisation", "section_force", "section_moment", "base_shear", "overturning_moment", "pile_force",
     "reaction_force", "reaction_moment",
 )  # fmt: skip
-COMPONENTS = (
-    "axis",
-    "direction",
-    "force",
-    "moment",
-)  # along which what differs in kind has a line each, and a mean means nothing
+# Along these what differs in kind has a line each, and a mean means nothing.
+COMPONENTS = "axis", "direction", "force", "moment"
 SEVERAL = 8  # designs that have lines of their own; of more the largest has one
 NOTHING = 1e-6  # of a variable's largest: less of another component governs nothing
 HEADER = ("", "largest of", "where", "in", "mean", "unit", "[least, largest]", "next in", "mean", "realizations")
@@ -54,14 +49,13 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
         designs = [dim for dim in each.dims if dim not in ("sea_state", "seed", *INNER)]
         apart = designs if math.prod(each.sizes[dim] for dim in designs) <= SEVERAL else []
         components = [dim for dim in COMPONENTS if dim in each.dims]
+        places = [dim for dim in each.dims if dim not in (*apart, *components)]
         least = NOTHING * float(each.max())
-        for labels in itertools.product(*(each[dim].values for dim in (*apart, *components))):
-            part = each.sel(dict(zip((*apart, *components), labels, strict=True)))
-            if not float(part.max()) > least:
-                continue
-            design = ", ".join(named(*pair) for pair in zip(apart, labels, strict=False))
-            along = labels[len(apart) :]
-            yield design, " ".join(map(str, (name, *along))), *_of_part(part, unit(data[name], components, along))
+        for labels, part in cells(each.transpose(*apart, *components, ...), name, places):
+            if float(part[name].max()) > least:
+                along = labels[len(apart) :]
+                words = ", ".join(labels[: len(apart)]), " ".join([name, *along])
+                yield *words, *_of_part(part[name], unit(data[name], components, along))
 
 
 def unit(values: xr.DataArray, components: Sequence[Hashable], along: Sequence[object]) -> str:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pipeline.report.best import ALONE, POWERS, Compared, by_how_much, compared, one_of, platforms, seas
+from pipeline.report.best import ALONE, Compared, by_how_much, compared, one_of, platforms, power_in, seas
 from pipeline.report.energy import OF
 from pipeline.report.yearly import LEVEL, MANY, Table, counted, marked, prefix, remarks, weighed
 from pipeline.study.layout import spaced
@@ -36,14 +36,18 @@ class _Design(NamedTuple):
     of: Compared
     each: xr.DataArray  # its power in every task
 
+    @property
+    def many(self) -> bool:
+        """Whether it is among many."""
+        return self.of.mean.size > MANY
+
 
 def table(data: xr.Dataset) -> Table:
     """Of a study with many designs."""
-    data = weighed(data)
-    many = [design for design in first(data) if design.of.mean.size > MANY]
+    data, variable = weighed(data), power_in(data)
+    many = [design for design in first(data) if design.many]
     if not many:
         return Table(TITLE, (), [], NOTE)
-    variable = _variable(data)
     unit, scale = prefix(data[variable].sel(statistic="mean"))
     lines = [_line(design, scale) for design in many]
     header = "", "design", f"mean {OF[variable]} power [{unit}W]", f"less by [{unit}W]", "realizations"
@@ -51,14 +55,10 @@ def table(data: xr.Dataset) -> Table:
     return Table(TITLE, header, lines, NOTE + alone + remarks(lines))
 
 
-def _variable(data: xr.Dataset) -> str:
-    return next((name for name in POWERS if name in data), "")
-
-
 def first(data: xr.Dataset, count: int = MANY) -> Iterator[_Design]:
     """So many of every platform, the one with the most power first, of all seas if somebody said how often they come,
     else of each."""
-    variable = _variable(data)
+    variable = power_in(data)
     for labels, part, designs in platforms(data, variable) if variable else ():
         every = [*seas(part, variable)]
         for sea, some in every[:1] if "occurrence" in part.coords else every:
@@ -84,20 +84,22 @@ def _line(design: _Design, scale: float) -> tuple[str, ...]:
 
 def block(study: StudyFile, data: xr.Dataset, count: int = MANY) -> str:
     """Lines of a study file that go along so many of the best designs, each once; empty where none are compared."""
-    found = [
-        {dim: design.of.mean[dim].values[place].item() for dim, place in design.at.items()}
-        for design in first(weighed(data), count)
-    ]
+    return _block(study, first(weighed(data), count))
+
+
+def again(study: StudyFile, data: xr.Dataset) -> str:
+    """Those lines of a study whose designs are many."""
+    found = list(first(weighed(data)))
+    return _block(study, found) if any(design.many for design in found) else ""
+
+
+def _block(study: StudyFile, designs: Iterable[_Design]) -> str:
+    found = [{dim: design.of.mean[dim].values[place].item() for dim, place in design.at.items()} for design in designs]
     keys = [_keys(study, labels) for i, labels in enumerate(found) if labels not in found[:i]]
     if not keys:
         return ""
     lists = [f"{json.dumps(path)} = {toml([values[path] for values in keys])}" for path in keys[0]]
     return "\n".join([INSTEAD, "[[axes.together]]", 'name = "best"', *lists])
-
-
-def again(study: StudyFile, data: xr.Dataset) -> str:
-    """Those lines of a study whose designs are many."""
-    return block(study, data) if table(data).lines else ""
 
 
 def _keys(study: StudyFile, labels: Mapping[Hashable, Any]) -> dict[str, Any]:

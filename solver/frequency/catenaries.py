@@ -8,11 +8,14 @@ Loads Q(z) of all lines are linearised statistically (Roberts and Spanos 1990): 
 The linear model has ⟨Q⟩, and the slope at rest.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from solver.coupled.equilibrium import balance
+from solver.coupled.linear import KNOWN
+from solver.coupled.system import Resting
 from solver.frequency import gaussian
 from solver.frequency.case import Case
 from solver.frequency.response import Response
@@ -39,12 +42,9 @@ class _Normal(NamedTuple):
 
     @classmethod
     def of(cls, k: int) -> "_Normal":
-        each = [np.polynomial.hermite_e.hermegauss(count) for count in COUNTS[:k]]
-        y = np.stack(np.meshgrid(*(nodes for nodes, _ in each), indexing="ij"), axis=-1).reshape(-1, k)
-        weight = np.ones(1)
-        for _, w in each:
-            weight = np.outer(weight, w / w.sum()).ravel()
-        return cls(y, weight)
+        y, weight = zip(*map(gaussian.nodes, COUNTS[:k]), strict=True)
+        grids = (np.stack(np.meshgrid(*each, indexing="ij"), axis=-1).reshape(-1, k) for each in (y, weight))
+        return cls(next(grids), next(grids).prod(axis=1))
 
 
 def tension_table(case: Case, Z: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -112,7 +112,7 @@ def held(case: Case, Z: np.ndarray, z: np.ndarray) -> Held:
         none, nb = np.zeros(z.size), case.system.bodies.axes.size
         return Held(none, np.zeros((nb, 6)), np.zeros((z.size, z.size)), np.zeros((nb, 6, z.size)), none, none)
     L, back = axes[:, moves] * np.sqrt(size[moves]), axes[:, moves] / np.sqrt(size[moves])
-    K, by_z = _slopes_at_rest(case)
+    K, by_z = _slopes_at_rest(case.system.resting)
     stiff, turn = np.linalg.eigh(L.T @ (K + K.T) @ L / 2)
     turn = turn[:, np.argsort(-np.abs(stiff))[: len(COUNTS)]]
     ways, back = (L @ turn).T, back @ turn
@@ -120,7 +120,7 @@ def held(case: Case, Z: np.ndarray, z: np.ndarray) -> Held:
     if len(Z) == 1:
         y = gaussian.one_period(Z) @ back
         normal = _Normal(y, np.full(len(y), 1 / len(y)))
-    Q, on_floats = _line_loads(case, np.concatenate([at_rest[None], z + normal.y @ ways]))
+    Q, on_floats = _line_loads(case.system.bodies, np.concatenate([at_rest[None], z + normal.y @ ways]))
     mean = normal.weight @ Q[1:]
     slope = (normal.weight[:, None] * normal.y).T @ Q[1:]
     more = -ways @ slope.T - ways @ K @ ways.T
@@ -165,18 +165,18 @@ def _share(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
 
 def without_lines(body: Bodies) -> Bodies:
     """The same bodies, held by all else."""
-    return body._replace(lines=lines_of([()] * body.axes.size))
+    return body._replace(lines=lines_of([()] * body.axes.size)) if body.lines.length.size else body
 
 
-def _line_loads(case: Case, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _line_loads(body: Bodies, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Q (m, nz), and what the lines do to the floats (m, nb, 6), at coordinates (m, nz)."""
-    body = case.system.bodies
     (load, wrench), (others, on_floats) = balance(body, z), balance(without_lines(body), z)
     return load - others, wrench - on_floats
 
 
-def _slopes_at_rest(case: Case) -> tuple[np.ndarray, np.ndarray]:
-    """-∂Q/∂z (nz, nz), and the loads on the floats by z (nz, nb, 6)."""
-    z = case.system.equilibrium[0]
-    (high, on_floats), (low, others) = (_line_loads(case, z + side * NEAR * np.eye(z.size)) for side in (1, -1))
+@lru_cache(maxsize=KNOWN)
+def _slopes_at_rest(resting: Resting) -> tuple[np.ndarray, np.ndarray]:
+    """-∂Q/∂z (nz, nz), and the loads on the floats by z (nz, nb, 6); the same in all seas."""
+    body, _, z = resting.value
+    (high, on_floats), (low, others) = (_line_loads(body, z + side * NEAR * np.eye(z.size)) for side in (1, -1))
     return (low - high) / (2 * NEAR), (on_floats - others) / (2 * NEAR)

@@ -29,12 +29,7 @@ BINS = 512  # of frequencies up to the fastest wave's
 LITTLE = 2e-2  # share of the variance of the legs' tops below which no statistic of their stress is off by 1e-3
 
 
-def _normal(count: int) -> tuple[np.ndarray, np.ndarray]:
-    x, weight = np.polynomial.hermite_e.hermegauss(count)
-    return x, weight / weight.sum()
-
-
-Z, OF_Z = _normal(40)
+Z, OF_Z = gaussian.nodes(40)
 XI = np.linspace(-5.0, 5.0, 61)  # evenly, for what is smooth but for a corner
 OF_XI = np.exp(-0.5 * XI**2) / np.exp(-0.5 * XI**2).sum()
 WEIGHT = np.outer(OF_Z, OF_XI).ravel()

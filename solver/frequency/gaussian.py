@@ -76,6 +76,12 @@ def sums(omega: np.ndarray, X: np.ndarray, begin: float, step: float, count: int
         yield turn[: count - first] @ np.stack([Y.real, Y.imag], axis=1).reshape(2 * omega.size, -1)
 
 
+def nodes(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of a normal number, and their weights: a mean of what is smooth is a sum over them."""
+    x, weight = np.polynomial.hermite_e.hermegauss(count)
+    return x, weight / weight.sum()
+
+
 def covariance(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     """½ Re Σ X Y* (…, n, m) of lines X (…, nl, n), Y (…, nl, m)."""
     X, Y = (np.concatenate([Z.real, Z.imag], axis=-2) for Z in (X, Y))

@@ -25,21 +25,23 @@ def unresolved(case: Case, response: Response) -> Iterator[str]:
     if case.system.scene.sea.known or omega.size <= 2 * ASIDE:
         return
     among = np.flatnonzero((modes.omega > omega[ASIDE]) & (modes.omega < omega[-ASIDE]))
-    radiated = radiating(case.system, case.hydrodynamics, modes.omega[among], modes.shapes[:, among].T)[1]
+    every, shapes = modes.omega[among], modes.shapes[:, among].T
+    radiated = radiating(case.system, case.hydrodynamics, every, shapes)[1]
+    widths = np.maximum(np.einsum("mi,mi->m", shapes @ damping, shapes) + radiated, 2 * NARROW * every)
+    after = np.searchsorted(omega, every)
+    spaces = (omega[after + ASIDE - 1] - omega[after - ASIDE]) / (2 * ASIDE - 1)
+    if not (narrow := np.flatnonzero(widths < WITHIN * spaces)).size:
+        return
     moved = _squares(case, lengths(np.ascontiguousarray(response.X[: omega.size].T)) ** 2 / 2)
-    for i, of_water in zip(among, radiated, strict=True):
-        own, shape = modes.omega[i], modes.shapes[:, i]
-        width = max(float(shape @ damping @ shape + of_water), 2 * NARROW * own)
-        after = int(np.searchsorted(omega, own))
-        near = slice(after - ASIDE, after + ASIDE)
-        apart = np.ptp(omega[near]) / (2 * ASIDE - 1)
-        spectrum = np.mean(np.abs(shape @ case.force_at_rest[:, : omega.size][:, near]) ** 2) / (2 * apart)
+    for k in narrow:
+        own, shape, width, apart = every[k], shapes[k], widths[k], spaces[k]
+        near = slice(after[k] - ASIDE, after[k] + ASIDE)
+        spectrum = np.mean(np.abs(shape @ case.force_at_rest[:, near]) ** 2) / (2 * apart)
         most = _squares(case, np.pi * spectrum / (2 * width * own**2) * shape**2)
-        counts = (most > COUNTS * moved) & (np.maximum(most, moved) > FAINT**2 * moved.max())
-        if width < WITHIN * apart and counts.any():
+        if np.any((most > COUNTS * moved) & (np.maximum(most, moved) > FAINT**2 * moved.max())):
             needed = _rounded_up(omega.size * WITHIN * apart / width)
             yield (
-                f"components: waves are {apart:.2g} rad/s apart where {modes.names[i]} of period"
+                f"components: waves are {apart:.2g} rad/s apart where {modes.names[among[k]]} of period"
                 f" {2 * np.pi / own:.3g} s resonates over {width:.2g} rad/s: {needed} components would resolve it"
             )
 

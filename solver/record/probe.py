@@ -188,10 +188,10 @@ def _ends_error(probe: Probe, samples: Mapping[str, np.ndarray]) -> float:
     count = 2 * probe.steps
     skipped = int(np.ceil(2 * system.scene.settings.discard / system.dt - NEXT)) - 1  # the first one after half a step
     if skipped > count / 2:
-        share = system.scene.settings.duration / short.settings.duration  # of what the ends are off by it has less
+        share = system.scene.settings.duration / short.settings.duration  # a shorter record is off by more of its ends
         if share < 1 and _of_whole_periods(system):
             return 0.0
-        return statistics_error(system, short, lambda x, least, longer: at_ends(x, least, min(share, longer)), samples)
+        return statistics_error(system, short, lambda x, least, _: at_ends(x, least, share), samples)
     settings = replace(short.settings, duration=short.settings.duration * (1 - skipped / count))
     rest = {name: x[skipped:] for name, x in samples.items()}
     return statistics_error(system, replace(short, settings=settings), partial(at_ends, begins=True), rest)
