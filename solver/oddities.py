@@ -30,6 +30,7 @@ GYRATION = 0.1, 10.0  # of the edge of a cube as large as a hull, and of its siz
 FAR = 10.0  # hulls' sizes, from their reference point: no centre of gravity is as far
 HANGING = 1.1  # times the weight of a line that hangs straight down at rest: it pulls so where waves lift its float
 FEW = 10.0  # mean periods: from one record of so many to the next the std of a random sea scatters by a fifth
+PARTLY = 0.01  # of a std: what a part of a wave's period may change of a mean
 AWAY = 2.0  # hulls' sizes, from their reference point: no fairlead is as far
 RAISED = 0.01  # of the depth, by which a clamped foot, or an anchor on which a line lies, may be above the seabed
 STEEPEST = (8.0, 15.0), (1 / 15, 1 / 25)  # 2π Hs/(g Tp²) that seas have by Tp [s], DNV-RP-C205
@@ -70,6 +71,7 @@ def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ..
         *_drifting(scene),
         *_lidded(scene),
         *_too_short(scene),
+        *_partly(scene),
         *_too_steep(scene),
         *overdamped(scene),
     ]
@@ -394,12 +396,19 @@ def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -
                 )
 
 
-def drag_driven(factor: float) -> Iterator[str]:
-    """A sentence where drag makes extremes of a frame exceed those of Gaussian responses by a factor."""
+def drag_driven(factor: float, shaken: float) -> Iterator[str]:
+    """Sentences where drag makes a frame's extremes exceed Gaussian ones by a factor, and by what is not linear of it
+    shakes nodes with a share of their accelerations.
+    """
     if factor > STEEP:
         yield (
             "platform: drag, which goes by the velocity's square, drives the legs: expect largest displacements and"
             f" stresses up to {factor:.2g} times those of the linear responses that max and min are of"
+        )
+    if shaken > 0.5:
+        yield (
+            f"platform: {shaken:.0%} of the variance of a node's acceleration is by what is not linear of drag, which"
+            " comes in bursts: expect the largest up to twice those that max and min are of"
         )
 
 
@@ -474,6 +483,24 @@ def _too_short(scene: Scene) -> Iterator[str]:
         yield (
             f"record.duration: {length:g} s are {length / mean:.2g} mean periods of the waves, {mean:.3g} s, and less"
             f" than {FEW:g} tell little of a sea: is it in other units?"
+        )
+
+
+def _partly(scene: Scene) -> Iterator[str]:
+    """A sentence for a march whose record has a part of one wave's period that counts: over n periods the mean of a
+    cosine is |sin πn|/πn at most.
+    """
+    omega = scene.sea.omega[np.abs(scene.sea.amplitude) > 0]
+    if omega.size != 1 or scene.settings.method == "frequency":
+        return
+    length, period = scene.settings.duration, 2 * np.pi / float(omega[0])
+    n = length / period
+    off = np.sqrt(2) * abs(np.sin(np.pi * n)) / (np.pi * n)
+    if off > PARTLY:
+        whole = max(round(n), 1)
+        yield (
+            f"record.duration: {length:g} s are {n:.3g} periods of the wave, of which the part makes means err by up to"
+            f" {off:.1%} of a std: {whole * period:.6g} s are {whole}"
         )
 
 

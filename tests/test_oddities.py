@@ -251,6 +251,24 @@ def test_a_record_of_few_mean_periods_is_told(periods, told_so):
     assert not any("mean periods" in text for text in warnings(replace(item, sea=one, settings=settings)))
 
 
+@pytest.mark.parametrize(
+    ("periods", "told"),
+    [(13.2, "2.0% of a std: 26 s are 13"), (0.4, "107.0% of a std: 2 s are 1"), (13.01, ""), (400.5, "")],
+)
+def test_a_part_of_a_waves_period_is_told(periods, told):
+    """That differs from the whole as the mean of cos does, at most: |sin πn|/πn, over 1/√2."""
+    item, _ = flap()
+    settings = replace(item.settings, duration=2 * periods, discard=0.0, ramp=0.0)
+    item = replace(item, sea=regular(height=0.2, period=2.0), settings=settings)
+    found = [text for text in warnings(item) if "periods of the wave" in text]
+    assert len(found) == bool(told) and all(told in text for text in found)
+    cos = np.cos(2 * np.pi * (np.linspace(0.0, periods, 20001)[1:] + np.linspace(0.0, 1.0, 50)[:, None]))
+    if told:
+        assert f"{np.sqrt(2) * np.abs(cos.mean(axis=1)).max():.1%}" in told
+    linear = replace(item, settings=replace(settings, method="frequency", froude_krylov="linear"))
+    assert not any("periods of the wave" in text for text in warnings(linear))
+
+
 @pytest.mark.parametrize(("ratio", "told_so"), [(1.0, False), (5.0, True)])
 def test_more_than_critical_damping_is_told_before_and_by_the_record(ratio, told_so):
     """Whose run knows linear damping alone; beside whatever else is odd."""

@@ -147,7 +147,8 @@ class Table(BaseModel):
             if key not in names:
                 there = [name for name in names if name != "keys"]  # which holds paths, and is none itself
                 close = difflib.get_close_matches(str(key), there, n=1)
-                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(there)}"
+                others = ', and any other by its dotted path in quotes, "solver.method"' if "keys" in names else ""
+                known = f"did you mean {close[0]}?" if close else f"known: {', '.join(there)}{others}"
                 limit = f"unknown key; {answer(str(key)) or known}"
                 raise PydanticCustomError("unknown_key", "{limit}", {"key": key, "limit": limit})
         return data

@@ -25,6 +25,7 @@ from solver.multibody.of_axes import pto_stiffness_at_rest
 from solver.scene import MOST_STEPS, STEPS, Scene, two_digits, unit_along
 
 UNSTABLE = -1e-6  # of the largest stiffness: below it is not the rounding of a motion that nothing holds
+UNHELD = 1e-7  # of the fastest shape's frequency: a slower one is the rounding of one that nothing holds
 PLATFORM = 6  # shapes that are told, besides one for each joint: the slowest of all
 KNOWN = 32  # undamped scenes that a process keeps
 SPARE = 20  # shapes beyond those told, of which they are made where the added mass is another
@@ -97,7 +98,8 @@ def _system_modes(
     known = lru_cache(lambda omega: _in_water(value, added(omega).real))
     settled = [_settled(value, lambda omega: known(min(max(omega, low), high)), i) for i in range(count)]
     pairs = [(omega, basis @ shape) for omega, shape in settled if np.isfinite(omega)]
-    omega = shared(np.array([omega for omega, _ in pairs]))
+    omega = np.array([omega for omega, _ in pairs])
+    omega = shared(np.where(omega > UNHELD * omega.max(initial=0.0), omega, 0.0))
     shapes = shared(np.array([shape for _, shape in pairs]).reshape(-1, n).T)
     return SystemModes(omega, shapes, tuple(_name(joints, model.length, s, support) for s in shapes.T))
 

@@ -217,9 +217,10 @@ class System:
 
     @property
     def shaken(self) -> bool:
-        """Whether accelerations are asked for of a frame with floats whose loads are not linear."""
-        bent = bool(self.bent.size) or bool(of_axes.drag(self.bodies.law).any())
-        return "accelerations" in self.scene.settings.outputs and (bent or bool(self.bodies.nonlinear.any()))
+        """Whether accelerations are asked for of a frame with loads that are not linear: its own drag, or of floats."""
+        laws = bool(self.bent.size) or bool(of_axes.drag(self.bodies.law).any())
+        bent = laws or bool(self.bodies.nonlinear.any()) or bool(self.structure.drag.any())
+        return "accelerations" in self.scene.settings.outputs and bent
 
     @property
     def bent(self) -> np.ndarray:

@@ -18,6 +18,7 @@ from solver.coupled import linear_drag
 from solver.frequency.stations import Stations
 from solver.record.spectra import bands
 
+ORDERS = 3  # times the fastest wave's frequency: of higher orders next to nothing is faster
 SMOOTH, EACH = 10, 6  # frequencies up to the waves' highest, and more of them about a resonance of the frame
 ALIKE = 32  # highest frequencies of seas in an octave that are told apart
 LEFT = 3e-3  # share of the forces that places which are looked at do not tell of
@@ -26,7 +27,7 @@ TURNS = 5  # of the power method: the largest pattern is many times the next
 
 
 class Nodes(NamedTuple):
-    """Frequencies that stand for all below the waves' highest."""
+    """Frequencies that stand for all up to ORDERS times the waves' highest."""
 
     omega: np.ndarray  # (ne,) [rad/s]
     width: np.ndarray  # (ne,) of what each stands for [rad/s]
@@ -35,7 +36,8 @@ class Nodes(NamedTuple):
 def nodes(highest: float, own: np.ndarray, half: np.ndarray, share: np.ndarray, unit: float = 1.0) -> Nodes:
     """Evenly spaced in Λ, which rises by SMOOTH in all and by EACH at each resonance that is the frame's:
 
-    Λ(ω) = SMOOTH ω/ω_max + EACH Σ share (1/π) atan((ω - ω₀)/γ), in which a resonance's response is level.
+    Λ(ω) = SMOOTH f(ω/ω_max) + EACH Σ share (1/π) atan((ω - ω₀)/γ), in which a resonance's response is level; f(x) is x
+    up to 1 and (1 + x)/2 above, where the forces are smooth and small.
 
     own: ω₀ (m,); half: γ (m,), half of its width; share (m,) of its energy that is the frame's. Neither width nor the
     highest frequency need be exact, so that seas that are alike share the nodes: they are powers of 2 of a unit
@@ -43,15 +45,16 @@ def nodes(highest: float, own: np.ndarray, half: np.ndarray, share: np.ndarray, 
     """
     highest = unit * 2.0 ** (np.floor(ALIKE * np.log2(highest / unit)) / ALIKE)
     half = unit * 2.0 ** np.round(np.log2(half / unit))
-    near = own[:, None] + half[:, None] * np.tan(np.linspace(-1.5, 1.5, 16 * EACH))
-    at = np.union1d(np.linspace(0.0, highest, 16 * SMOOTH), near[(near > 0) & (near < highest)])
-    apart = (at[:, None] - own) / half
-    rise = SMOOTH * at / highest + EACH * np.arctan(apart) @ share / np.pi
+    near, end = own[:, None] + half[:, None] * np.tan(np.linspace(-1.5, 1.5, 16 * EACH)), ORDERS * highest
+    at = np.union1d(np.linspace(0.0, end, 16 * ORDERS * SMOOTH + 1), near[(near > 0) & (near < end)])
+    apart, x = (at[:, None] - own) / half, at / highest
+    rise = SMOOTH * np.minimum(x, 0.5 + 0.5 * x) + EACH * np.arctan(apart) @ share / np.pi
     count = int(np.ceil(rise[-1] - rise[0]))
     each = (rise[-1] - rise[0]) / count
     omega = np.interp(rise[0] + each * (np.arange(count) + 0.5), rise, at)
     apart = (omega[:, None] - own) / half
-    return Nodes(omega, each / (SMOOTH / highest + EACH * (1 / (1 + apart**2)) @ (share / half) / np.pi))
+    smooth = SMOOTH / np.where(omega < highest, highest, 2 * highest)
+    return Nodes(omega, each / (smooth + EACH * (1 / (1 + apart**2)) @ (share / half) / np.pi))
 
 
 def forces(stations: Stations, omega: np.ndarray, duration: float, at: Nodes) -> np.ndarray:
@@ -111,7 +114,7 @@ def _telling(terms: _Terms, weight: np.ndarray) -> np.ndarray:
 
 def _spectrum(terms: _Terms, omega: np.ndarray, width: float, at: np.ndarray) -> np.ndarray:
     """S (ne, n, n), one-sided."""
-    step, n = np.pi / (2 * omega.max()), len(terms.x)  # nothing is faster than three times the fastest wave
+    step, n = np.pi / (ORDERS * omega.max()), len(terms.x)  # twice as often as the fastest of the forces turns
     tau = step * np.arange(1 + int(REACH / (width * step)))
     turned = _powers(np.exp(-1j * step * omega), tau.size)
     x = terms.x.view(complex)

@@ -130,7 +130,7 @@ class Case:
             return beyond.Nodes(np.zeros(0), np.zeros(0))
         highest, nm, damping = float(self.waves.max()), self.model.modes.shape[1], self.model.damping.copy()
         damping[:nm, :nm] += self.stations.against(self.at_rest)
-        below = (self.modes.omega > 0) & (self.modes.omega < highest)
+        below = (self.modes.omega > 0) & (self.modes.omega < beyond.ORDERS * highest)
         own, shapes = self.modes.omega[below], self.modes.shapes[:, below]
         half = np.maximum(np.sum(shapes * (damping @ shapes), axis=0) / 2, NARROW * own)
         scene = self.system.scene

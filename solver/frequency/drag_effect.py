@@ -9,9 +9,8 @@ by bending, and all else a Gaussian rest s, that stress is
 
 of a frame that swings among the waves S is what is as far from Gaussian, and belongs to the rest else: see _followed.
 
-Its higher orders are lines of the case below the fastest wave (see beyond). Of those above it no line tells: half of
-the even ones, at sums of two frequencies, a quarter of the odd ones, at sums of three, and of one wave all that is at
-two and three times its frequency.
+Its higher orders are lines of the case (see beyond), but for those of one wave, at two and three times its frequency.
+They go with how fast the water is, and so does what damps them, which lines do not know: see UNSURE.
 """
 
 from collections.abc import Mapping
@@ -25,7 +24,8 @@ from solver.frequency.response import Response
 from solver.frequency.stations import Stations
 from solver.statistics import FAINT, STATISTICS
 
-BINS = 512  # of frequencies up to the fastest wave's
+BINS = 512  # of frequencies up to the fastest wave's, in _followed
+UNSURE = 0.2  # of the size of lines beyond the linear drag's: marches have 0.85 to 1.2 times those of slender piles
 LITTLE = 2e-2  # share of the variance of the legs' tops below which no statistic of their stress is off by 1e-3
 
 
@@ -35,7 +35,6 @@ OF_XI = np.exp(-0.5 * XI**2) / np.exp(-0.5 * XI**2).sum()
 WEIGHT = np.outer(OF_Z, OF_XI).ravel()
 LEAST = 1e-3  # of how far odd orders go: a fifth of a mode's part by drag counts as that at least
 COS = np.cos(gaussian.PHASE)
-ORDERS = np.arange(1, 3)[:, None, None]  # by how many mean frequencies second and third ones are above a wave's
 
 
 class Effect(NamedTuple):
@@ -43,6 +42,7 @@ class Effect(NamedTuple):
 
     error: float  # of any mean, rms or std, relative
     extremes: float  # factor by which the largest are to be expected beyond those told
+    shaken: float = 0.0  # share of orders above the linear one in the nodes' accelerations, of their variance
 
 
 class _Law(NamedTuple):
@@ -109,8 +109,7 @@ def drag_effect(
     std = of_tops[:, STATISTICS.index("std")]
     moved = std > FAINT * std.max()
     tops, of_tops, std = tops[:, moved], of_tops[moved], std[moved]
-    gains, of_accelerations = _gains(case, np.diag(response.damping)[:nm], push)
-    p = gains[0] * push
+    p = _gain(case, case.waves) * push
     driven = p @ tops
     if not driven.any():
         return Effect(0.0, 1.0)
@@ -118,92 +117,68 @@ def drag_effect(
     m = int(np.argmax(np.abs(tops[:, top]) * np.linalg.norm(p, axis=0)))
     Q = push[:, m]
     g = _Law.of(case.stations, (-1j * case.waves[:, None] * response.X[:waves, :nm]).T, m, Q)
-    higher = _overtones(case, g, gains[1:], push, Q) @ tops
-    error = float(np.max(np.hypot(1, gaussian.spread(higher) / std) - 1))
-    if channels.nodes:
-        shapes, of_nodes = support.node_shapes.reshape(nm, -1), told["node_acceleration"].reshape(-1, len(STATISTICS))
-        shaken = gaussian.spread(_overtones(case, g, of_accelerations, push, Q) @ shapes)
-        usual = of_nodes[:, STATISTICS.index("std")]
-        felt = usual > FAINT * usual.max()
-        error = max(error, float(np.max(np.hypot(1, shaken[felt] / usual[felt]) - 1)))
     whole, mean = response.X[:, :nm] @ tops, of_tops[:, STATISTICS.index("mean")]
+    error, shaken = UNSURE * _beyond_waves(whole, waves), 0.0
+    if channels.nodes:
+        nodes = support.node_shapes.reshape(nm, -1)
+        shaken = _beyond_waves(response.omega[:, None] ** 2 * response.X[:, :nm] @ nodes, waves)
+        error = max(error, UNSURE * shaken)
     if waves == 1:
+        at, modes = _overtones(case, g, response, push[0], Q[0])
+        higher = modes @ tops
+        error = _lacking(of_tops, higher)
+        if channels.nodes:
+            error = max(error, _lacking(told["node_acceleration"].reshape(-1, len(STATISTICS)), at**2 * modes @ nodes))
         extremes, kept = _of_overtones(mean, np.concatenate([whole, higher])), 1.0
     elif not np.any(gaussian.spread(driven) ** 2 > LITTLE * std**2):
-        return Effect(error, 1.0)
+        return Effect(error, 1.0, shaken)
     else:
         D, T, drag = p[:, m], response.X[:waves, m], response.damping[m, m]
         odd, even = _followed(case, m, 0.0, D, D, Q, 3), _followed(case, m, drag, T, D, Q, 2)
         kept = max(odd, LEAST) ** 0.25
         g = g._replace(even=float(np.clip(even / kept**3, -1 / kept, 1 / kept)))
-        peak = gaussian.peak(whole, case.process)
-        second, third = (gaussian.spread(order) for order in np.split(higher, 2))
-        # Largest halfway, in logarithms, between a Gaussian's, u, and those that follow waves, uⁿ/(2ⁿ⁻¹ n!)^½.
-        more = np.hypot(second * np.sqrt(peak / 2), third * peak / 24**0.25)
-        extremes = _beyond_rayleigh(g, kept * driven, Q, std, mean, peak, more)
+        extremes = _beyond_rayleigh(g, kept * driven, Q, std, mean, gaussian.peak(whole, case.process))
     if channels.steel is not None:
         first = channels.legs.first
         level, lines = (channels.steel.compression(y)[:, first] for y in (level, lines))
         part = kept * channels.steel.compression(_forces_by_drag(case, response, p))[:, first]
         changes = _of_one(g, level[0], lines[0], part[0], Q) if waves == 1 else _of_sea(g, level[0], lines, part, Q)
         error = max(error, _apart(told["bottom_stress"][first], *changes))
-    return Effect(error, extremes)
+    return Effect(error, extremes, shaken)
 
 
-def _gains(case: Case, drag: np.ndarray, push: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(3, nw, nm): of the frame's modes to forces at the waves, push (nw, nm), and to second and third orders where no
-    line is; and of their accelerations to these (2, nw, nm).
+def _gain(case: Case, at: np.ndarray, besides: np.ndarray | float = 0.0) -> np.ndarray:
+    """Of the frame's modes to forces at frequencies (nw,), (nw, nm), with damping (nm,) besides their own."""
+    own, ratio, at = case.system.structure.omega, case.system.structure.damping, at[:, None]
+    return np.asarray(1 / (own**2 - 1j * (2 * ratio * own + besides) * at - at**2))
 
-    That is at twice and three times a wave's frequency; of a sea at as much more as the mean one and twice that, as
-    large as in the mean over sums of two and three of all frequencies, where no wave is as fast: a few lines beside a
-    resonance meet it by chance. Of the drag's damping (nm,) a mode's linear force has its part already.
+
+def _overtones(case: Case, g: _Law, response: Response, push: np.ndarray, Q: complex) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (2, 1) and lines of the modes (2, nm) at two and three times that of one wave, where drag on them is
+    push (nm,).
     """
-    waves, own, ratio = case.waves, case.system.structure.omega, case.system.structure.damping
-    power = np.sum(np.abs(push / own**2) ** 2, axis=1)
-    power /= power.sum() or 1.0
-
-    def gain(at: np.ndarray, besides: np.ndarray) -> np.ndarray:
-        return np.asarray(1 / (own**2 - 1j * (2 * ratio * own + besides) * at - at**2))
-
-    at = waves[:, None] + ORDERS * (waves @ power)
-    linear, higher = gain(waves[:, None], 0 * drag), gain(at, drag)
-    of_accelerations = at**2 * higher
-    if waves.size > 1:
-        step = waves.max() / BINS
-        each = np.fft.rfft(np.bincount(np.rint(waves / step).astype(int), power), 4 * BINS)
-        sums = np.fft.irfft(each ** np.array([[2], [3]]), 4 * BINS)
-        above = np.arange(BINS + 1, 3 * BINS + 1)
-        at = step * above[:, None]
-        square = np.abs(gain(at, drag)) ** 2
-        higher *= _sizes(sums[:, above] @ square) / np.abs(higher)
-        of_accelerations *= _sizes(sums[:, above] @ (at**4 * square)) / np.abs(of_accelerations)
-    return np.concatenate([linear[None], higher]), of_accelerations
-
-
-def _sizes(squares: np.ndarray) -> np.ndarray:
-    """Of orders (2, nm), as of each wave (2, 1, nm)."""
-    return np.asarray(np.sqrt(squares.clip(min=0.0))[:, None])
-
-
-def _overtones(case: Case, g: _Law, gains: np.ndarray, push: np.ndarray, Q: np.ndarray) -> np.ndarray:
-    """Lines of the modes (2 nw, nm) by orders of the drag that no line is of, second and third, where drag on them is
-    push (nw, nm); by gains (2, nw, nm).
-    """
-    frame, one = case.system.structure, len(Q) == 1
-    z = np.sqrt(2) * COS if one else Z
-    even = np.zeros((z.size, push.shape[1]))
+    frame, z, turn = case.system.structure, np.sqrt(2) * COS, np.exp(1j * np.angle(Q))
+    even = np.zeros((z.size, push.size))
     if g.push.size:
         even = np.einsum("zsd,mds,s->zm", 0.5 * (g.drag(z) + g.drag(-z)), frame.station, frame.drag)
-    if one:
-        turn = np.exp(1j * np.angle(Q[0]))
-        second = 2 * np.mean(even * np.cos(2 * gaussian.PHASE)[:, None], axis=0) * turn**2
-        third = np.sqrt(2) * np.mean(g(z) * np.cos(3 * gaussian.PHASE)) * turn**2 * push
-    else:
-        size = gaussian.spread(push)
-        std = np.sqrt(0.5 * OF_Z @ (even - OF_Z @ even) ** 2)
-        second = push * np.divide(std, size, out=np.zeros(size.shape), where=size > 0)
-        third = push * np.sqrt(0.25 * OF_Z @ (0.5 * (g(Z) - g(-Z)) - Z) ** 2)
-    return np.concatenate([gains[0] * second, gains[1] * third])
+    second = 2 * np.mean(even * np.cos(2 * gaussian.PHASE)[:, None], axis=0) * turn**2
+    third = np.sqrt(2) * np.mean(g(z) * np.cos(3 * gaussian.PHASE)) * turn**2 * push
+    at = case.waves[0] * np.arange(2, 4)
+    return at[:, None], _gain(case, at, np.diag(response.damping)[: push.size]) * np.array([second, third])
+
+
+def _beyond_waves(lines: np.ndarray, waves: int) -> float:
+    """Largest share of a variance by others than the first lines (nl, n), the waves'."""
+    above, whole = (np.sum(np.abs(x) ** 2, axis=0) for x in (lines[waves:], lines))
+    felt = whole > FAINT**2 * whole.max()
+    return float(np.max(above[felt] / whole[felt], initial=0.0))
+
+
+def _lacking(told: np.ndarray, more: np.ndarray) -> float:
+    """Largest relative error of a std, of statistics (n, 5) that lack lines (nl, n)."""
+    std = told[:, STATISTICS.index("std")]
+    felt = std > FAINT * std.max()
+    return float(np.max(np.hypot(1, gaussian.spread(more)[felt] / std[felt]) - 1))
 
 
 def _followed(case: Case, m: int, damping: float, T: np.ndarray, D: np.ndarray, Q: np.ndarray, order: int) -> float:
@@ -233,20 +208,14 @@ def _of_overtones(mean: np.ndarray, lines: np.ndarray) -> float:
 
 
 def _beyond_rayleigh(
-    g: _Law,
-    driven: np.ndarray,
-    Q: np.ndarray,
-    std: np.ndarray,
-    mean: np.ndarray,
-    peak: np.ndarray,
-    more: np.ndarray,
+    g: _Law, driven: np.ndarray, Q: np.ndarray, std: np.ndarray, mean: np.ndarray, peak: np.ndarray
 ) -> float:
     """Factor for the largest mean + S g(z)/√V + s ξ, in either sense, where z² + ξ² = u², reached as often as u by a
-    Gaussian; of lines (nw, n) that drag drives, beside what no line tells: as large as a Gaussian of that std.
+    Gaussian; of lines (nw, n) that drag drives.
     """
     part = np.minimum(np.sqrt(g.variance) * gaussian.spread(driven), std)
     turn = np.linspace(0.0, np.pi / 2, 40)[:, None]
-    rest, sense = np.sqrt(std**2 - part**2 + more**2) * peak * np.sin(turn), _sense(driven, Q)
+    rest, sense = np.sqrt(std**2 - part**2) * peak * np.sin(turn), _sense(driven, Q)
     largest = [way * mean + np.max(part * g.turned(way * sense, peak * np.cos(turn)) + rest, axis=0) for way in (1, -1)]
     return float(np.max(largest / (np.abs(mean) + std * peak), initial=1.0))
 

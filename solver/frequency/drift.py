@@ -27,7 +27,8 @@ from solver.record.spectra import bands
 from solver.scene import Scene
 
 NODES, DENSE = 400, 10.0  # about a resonance, and to how many times sinh of half its width
-ROUNDING = 1e-9  # of the largest load or coefficient, beside which less is none
+ROUNDING = 1e-9  # of the largest coefficient, beside which less is none
+REACHED = 1e-4  # of the largest load: a mesh that is not as round as its body turns it by less
 SLOWEST = 1e-6  # [rad/s] at which added mass is that of no frequency
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
 SHARED = 16  # points in a band's width that waves are shared between: 1e-3 of the largest by that
@@ -201,7 +202,7 @@ def _driven(model: LinearModel, axes: np.ndarray, mean: np.ndarray, slow: SlowLo
     one, and need be neither held nor damped."""
     size = np.hypot(mean, np.sqrt(np.einsum("kii->i", slow.power))) / model.length[axes]
     reached = np.zeros(len(model.mass), bool)
-    reached[axes] = size > ROUNDING * size.max(initial=0.0)
+    reached[axes] = size > REACHED * size.max(initial=0.0)
     each = (np.abs(A) / np.outer(model.length, model.length) for A in (model.stiffness, model.damping, model.mass))
     coupled = sum(ROUNDING * A.max(initial=0.0) < A for A in each)
     for _ in reached:

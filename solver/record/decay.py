@@ -146,7 +146,7 @@ def _changed(system: System, exact: _Decay, other: _Decay) -> float:
     moved = linear_model(system).length * std
     used = moved > FAINT * moved.max(initial=0.0)
     force = exact.forces.std(axis=0)
-    least = np.maximum(least_force(system.scene), FAINT * force.max(initial=0.0))
+    least = np.maximum(least_force(system.scene), FAINT * force.max(axis=1, keepdims=True))
     takes = used & absorbs(system, system.bodies.law)
     power, true = (np.mean(each.rates[:, takes] ** 2, axis=0) for each in (other, exact))
     changes = [

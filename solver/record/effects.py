@@ -121,9 +121,11 @@ def joint_forces(system: System, omega: np.ndarray, X: np.ndarray, Y: np.ndarray
 
 
 def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
-    """Largest relative change of the std of a joint's force (nw, nb, 3), but for those that count as zero."""
-    std, true = (lengths(F.reshape(len(F), -1).T) for F in (forces, exact))
-    least = np.maximum(np.sqrt(2) * least_force(system.scene), FAINT * true.max())
+    """Largest relative change of the std of a joint's force (nw, nb, 3), but for those that count as zero beside the
+    joint's others: a small float bears little beside a large one.
+    """
+    std, true = (lengths(F.reshape(len(F), -1).T).reshape(F.shape[1:]) for F in (forces, exact))
+    least = np.maximum(np.sqrt(2) * least_force(system.scene), FAINT * true.max(axis=1, keepdims=True))
     return float(np.max(np.abs(std - true) / np.maximum(true, least), initial=0.0))
 
 

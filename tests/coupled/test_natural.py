@@ -14,6 +14,8 @@ from solver.coupled.linear import linear_model
 from solver.coupled.natural import (
     _in_water,
     _settled,
+    _system_modes,
+    _Undamped,
     require_stable,
     system_modes,
     with_critical_damping,
@@ -22,6 +24,7 @@ from solver.coupled.natural import (
 from solver.coupled.preparation import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.keys import Bits
 from solver.power_takeoff import PtoTable
 from solver.run import simulate
 from solver.scene import Float, Platform, two_digits
@@ -86,6 +89,17 @@ def test_what_nothing_holds_has_no_period():
     barge, h = SCENES["soft_mooring"]()
     loose = replace(barge, floats=(replace(barge.floats[0], stiffness=0.0),))
     assert modes(loose, h).omega[0] < 1e-3 * modes(loose, h).omega[1]
+
+
+def test_what_nothing_holds_is_known_whatever_rounding_leaves_of_it():
+    """Of six axes that mass and stiffness couple, one combination is held by nothing: ω is 0, no root of 1e-17."""
+    random = np.random.default_rng(2)
+    for _ in range(20):
+        mix, free = random.normal(size=(2, 6, 6))
+        mass, stiffness = free @ free.T + np.eye(6), mix.T @ np.diag([0.0, 1e-4, 1.0, 2.0, 3.0, 4.0]) @ mix
+        undamped = _Undamped((stiffness + stiffness.T) / 2, mass, np.zeros((0, 6)), np.ones(6), np.zeros((0, 0)))
+        found = _system_modes(Bits(undamped), None, tuple("abcdef"), None)
+        assert found.omega[0] == 0.0 and np.isinf(found.period[0]) and found.omega[1] > 0.0
 
 
 def test_platform_alone_has_the_frames_own_frequencies():

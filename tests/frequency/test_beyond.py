@@ -80,19 +80,19 @@ def test_nodes_integrate_resonances_and_what_is_between_them():
     own, half = np.array([0.39, 1.6]), np.array([0.004, 0.05])
     at = beyond.nodes(4.0, own, half, np.ones(2))
     for w, g in zip(own, half, strict=True):
-        exact = g * (np.arctan((4.0 - w) / g) + np.arctan(w / g))
+        exact = g * (np.arctan((12.0 - w) / g) + np.arctan(w / g))
         assert np.sum(at.width / (1 + ((at.omega - w) / g) ** 2)) == approx(exact, rel=0.02)
-    assert np.sum(at.width * np.exp(-at.omega)) == approx(1 - np.exp(-4.0), rel=0.02)
+    assert np.sum(at.width * np.exp(-at.omega)) == approx(1 - np.exp(-12.0), rel=0.02)
     even = beyond.nodes(4.0, own, half, np.zeros(2))
-    assert even.omega == approx(0.4 * (np.arange(beyond.SMOOTH) + 0.5), rel=1e-3)
-    assert even.width == approx(0.4)
+    assert even.omega == approx(np.append(np.arange(0.2, 4.0, 0.4), np.arange(4.4, 12.0, 0.8)), rel=1e-3)
+    assert even.width == approx(np.repeat([0.4, 0.8], 10))
     model = beyond.nodes(3.3 * 20**0.5, own * 20**0.5, 1.3 * half * 20**0.5, np.ones(2), 20**0.5)
     assert model.omega == approx(beyond.nodes(3.3, own, 1.3 * half, np.ones(2)).omega * 20**0.5)
 
 
 @pytest.mark.parametrize("stream", [False, True])
 def test_lines_are_those_of_the_whole_drag(stream):
-    """Modal forces of |u|u - F - Ku of long samples below the fastest wave."""
+    """Modal forces of |u|u - F - Ku of long samples, below the fastest wave, a fifth of it and above it."""
     bare, _ = SCENES["bare_legs"]()
     item = replace(bare, sea=STEEP)
     case, _ = lines(item)
@@ -100,14 +100,13 @@ def test_lines_are_those_of_the_whole_drag(stream):
     if stream:
         flow = np.broadcast_to(np.array([0.4, 0.3, 0.0])[: stations.on[0], None], stations.on)
         stations = type(stations)(frame, stations.water.view(complex), flow)
-    at, static = case.nodes.omega, frame.scale / frame.omega**2
-    width = beyond.nodes(float(case.waves.max()), np.zeros(0), np.zeros(0), np.zeros(0)).width
-    forces = beyond.forces(stations, case.waves, case.process.duration, beyond.Nodes(at, width))
-    found = stations.shape @ forces * static[:, None]
-    exact = samples(stations, frame, case.waves, at[-1] + width[-1] / 2) * static[:, None]
-    total, low = ([np.sum(np.abs(x[:, : x.shape[1] // part]) ** 2) for x in (found, exact)] for part in (1, 5))
-    assert total[0] == approx(total[1], rel=0.05)
-    assert low[0] == approx(low[1], rel=0.05)
+    at, static = beyond.nodes(float(case.waves.max()), *np.zeros((3, 0))), frame.scale / frame.omega**2
+    found = stations.shape @ beyond.forces(stations, case.waves, case.process.duration, at) * static[:, None]
+    ends = np.cumsum(at.width)[[1, 9, -1]]
+    exact = samples(stations, frame, case.waves, ends[-1]) * static[:, None]
+    parts = (found, [2, 10]), (exact, (1200.0 / (2 * np.pi) * ends[:2]).astype(int))
+    powers = [[np.sum(np.abs(part) ** 2) for part in np.split(x, at, axis=1)] for x, at in parts]
+    assert powers[0] == approx(powers[1], rel=0.05)
 
 
 def samples(stations, frame, omega, highest):

@@ -242,13 +242,14 @@ def test_what_nothing_holds_or_damps_has_no_drift():
 
 
 def test_an_axis_that_no_load_reaches_need_be_neither_held_nor_damped():
-    """Yaw of a round buoy; where it is coupled to what is loaded it counts, whatever loads it has."""
-    loaded, slow = np.diag([1.0, 0.0]), np.exp(-np.arange(3.0))[:, None, None] * np.diag([1e6, 1e-20])
+    """Yaw of a round buoy, whose mesh is turned by 1e-5 of the force times its length; where yaw is coupled to what is
+    loaded it counts, whatever loads it has."""
+    loaded, slow = np.diag([1.0, 0.0]), np.exp(-np.arange(3.0))[:, None, None] * np.diag([1e6, 1e-2])
     model = SimpleNamespace(
         length=np.array([1.0, 10.0]), stiffness=2e4 * loaded, damping=4e3 * loaded, mass=1e5 * np.eye(2)
     )
     of, none = drift.SlowLoad(np.arange(3.0), slow, False), afloat(np.zeros((2, 2)))
-    mean, std, unmet = drift.moved(model, np.arange(2), none, np.array([3e3, 1e-9]), of)
+    mean, std, unmet = drift.moved(model, np.arange(2), none, np.array([3e3, 0.3]), of)
     one = SimpleNamespace(length=np.ones(1), **{k: getattr(model, k)[:1, :1] for k in ("stiffness", "damping", "mass")})
     alone = drift.moved(
         one, np.array([0]), afloat(np.zeros((1, 1))), np.array([3e3]), of._replace(power=slow[:, :1, :1])

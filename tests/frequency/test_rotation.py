@@ -78,7 +78,7 @@ def test_a_float_on_a_clamped_node_loads_the_ground_as_on_springs():
     lines, exact = (simulate(each, h) for each in (clamped, held))
     for name in ("base_shear", "overturning_moment"):
         ours, theirs = (record.variables[name][1] for record in (lines, exact))
-        assert ours == approx(theirs, abs=1e-5 * theirs[..., 4].max()), name
+        assert ours == approx(theirs, abs=3e-5 * theirs[..., 4].max()), name
     assert lines.attrs["rotation_effect"] == approx(exact.attrs["rotation_effect"], rel=5e-3)
     usual, waves = respond(clamped, h).carried, item.sea.omega.size
     system = prepare(clamped, h)

@@ -1,6 +1,7 @@
 """What errors of coefficients do is asked of a model whose joints move as their bent laws let them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from solver.frequency.response import respond
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.power_takeoff import PtoTable
 from solver.record import refit
-from solver.record.effects import coefficient_effects
+from solver.record.effects import coefficient_effects, force_error
 from solver.run import simulate
 from solver.scene import EndStops, Float
 from solver.sea.realization import CALM, regular
@@ -102,6 +103,16 @@ def test_other_laws_have_the_model_of_before(law):
     item, h = given(hemisphere, law, one=False)
     system = prepare(item, h)
     assert moving_model(system, h) is linear_model(system)
+
+
+def test_forces_of_a_small_float_count_beside_a_large_one():
+    """A joint that bears 1e-4 of what another does, off by a tenth; what it hardly bears itself counts as zero."""
+    water, floats = SimpleNamespace(gravity=9.81), (SimpleNamespace(mass=1e6), SimpleNamespace(mass=1.0))
+    system = SimpleNamespace(scene=SimpleNamespace(water=water, floats=floats))
+    exact = np.array([[[1e5, 1e5, 2e5], [0.0, 10.0, 20.0]]]) + 0j
+    of_small, of_large = np.array([[[[0.0, 0.0, 0.0], [0.001, 0.0, 2.0]]], [[[3.0, 0.0, 0.0], [0.0, 0.0, 0.0]]]])
+    assert force_error(system, exact + of_small, exact) == approx(0.1)
+    assert force_error(system, exact + of_large, exact) == approx(3e-5)
 
 
 def test_still_water_moves_nothing():

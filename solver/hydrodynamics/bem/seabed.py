@@ -36,6 +36,7 @@ def nodes_along(half: np.ndarray, clear: float, k: float) -> np.ndarray:
     clear/b, and on the upright one, cosh(log ρ) = 1 + clear/b. Of a wave, which reaches the images by exp(-k clear),
     they miss its n-th term, (ekb/2n)ⁿ at most.
     """
+    clear = max(clear, 0.0)  # a hull that stands on the seabed may reach below it by rounding
     images = np.append(np.arcsinh(clear / half[:2]), np.arccosh(1 + clear / half[2]))
     n = np.arange(FEWEST, MOST)[:, None]
     waves = n * np.log(2 * n / (np.e * k * half)) + k * clear if np.isfinite(k) else np.inf

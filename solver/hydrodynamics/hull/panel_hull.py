@@ -57,6 +57,7 @@ class PanelHull:
         if inner.any():
             cleaned += [f"left out: {inner.sum()} panels of surfaces within another, where no water is"]
             faces, rim, _, turned = mending.oriented(vertices, given[~inner], key, name)
+        turned += shells.walls(vertices[faces])
         holes = vertices[rim[vertices[rim, 2].min(axis=1) < 0]]
         near = surface.point_text(holes[0].mean(axis=0)) if len(holes) else ""
         if against and near:

@@ -8,12 +8,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy  # spatial is slow to import, and only meshes need it
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import mending, surface
 
 LARGER, SMALLER = 1 * surface.WELD, 10 * surface.WELD  # of the extent: hairs; the faces at a corner go less far than it
 FEW = 2**14  # pairs of boxes that are compared one by one
+OPPOSED = -0.999999  # cosine of the normals of faces that lie on each other, at most
+ALIKE = 3e-3  # of normals and, in extents, distances from the origin: planes that may be one
 EDGE = 1e-9  # of a triangle: as far beyond its sides is on it
 
 
@@ -81,6 +84,43 @@ def within(panels: np.ndarray, part: np.ndarray, closed: bool, key: str, name: s
     return inner
 
 
+def walls(panels: np.ndarray) -> list[str]:
+    """A note where panels (n, 4, 3) lie face to face below still water, on parts of each other.
+
+    Those of the same corners are left out, see mending.once.
+    """
+    extent, triangles = np.ptp(panels.reshape(-1, 3), axis=0).max(), surface.triangles(surface.below(panels))
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    area = np.linalg.norm(normals, axis=1)
+    some = area > (SMALLER * extent) ** 2
+    triangles, normals = triangles[some], normals[some] / area[some, None]
+    planes = np.column_stack([normals, np.sum(normals * triangles.mean(axis=1), axis=1) / extent])
+    opposed = np.isfinite(scipy.spatial.cKDTree(planes).query(-planes, distance_upper_bound=ALIKE)[0])
+    meeting = _meeting(triangles[opposed], normals[opposed], SMALLER * extent) if opposed.any() else np.zeros((0, 3))
+    if not len(meeting):
+        return []
+    where = surface.point_text(meeting[0])
+    differ = "on panels that differ: no water is between them, but linear forces have such a wall"
+    return [f"surfaces lie face to face near {where}, {differ}; unite them, or give both the same panels there"]
+
+
+def _meeting(triangles: np.ndarray, normals: np.ndarray, hair: float) -> np.ndarray:
+    """Middles (n, 3) of triangles (n, 3, 3) that overlap opposed ones in one plane."""
+    i, j = _close(triangles, triangles, hair).T
+    off = np.abs(np.einsum("nkd,nd->nk", triangles[j] - triangles[i, :1], normals[i])).max(axis=1)
+    flat = (np.sum(normals[i] * normals[j], axis=1) < OPPOSED) & (off < hair)
+    i, j = i[flat], j[flat]
+    pair = triangles[i], triangles[j]
+    apart = np.zeros(len(i), bool)
+    for triangle in pair:
+        for k in range(3):
+            axis = np.cross(normals[i], triangle[:, (k + 1) % 3] - triangle[:, k])
+            axis /= np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None]
+            x, y = (np.einsum("nkd,nd->nk", t, axis) for t in pair)
+            apart |= np.minimum(x.max(axis=1), y.max(axis=1)) - np.maximum(x.min(axis=1), y.min(axis=1)) < hair
+    return np.asarray(triangles[i[~apart]].mean(axis=1))
+
+
 def _pierced(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Where (n, 3) sides of triangles (n, 3, 3) go through those of another surface."""
     sides = np.concatenate([one[:, [k, (k + 1) % 3]] for k in range(3)])
@@ -98,9 +138,12 @@ def _pierced(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return at[(s > -EDGE) & (t > -EDGE) & (s + t < 1 + EDGE)]
 
 
-def _close(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Pairs (n, 2) of figures (n, corners, 3) whose boxes meet: sets are halved until few pairs are left to compare."""
-    low, high, other_low, other_high = one.min(axis=1), one.max(axis=1), other.min(axis=1), other.max(axis=1)
+def _close(one: np.ndarray, other: np.ndarray, hair: float = 0.0) -> np.ndarray:
+    """Pairs (n, 2) of figures (n, corners, 3) whose boxes meet within a hair [m]: sets are halved until few pairs are
+    left to compare.
+    """
+    low, high = one.min(axis=1) - hair, one.max(axis=1) + hair
+    other_low, other_high = other.min(axis=1), other.max(axis=1)
     pairs, left = [np.zeros((0, 2), int)], [(np.arange(len(one)), np.arange(len(other)))]
     while left:
         i, j = left.pop()

@@ -26,6 +26,11 @@ BAD = [
         "[waves]\nspreading = 10",
         "waves.spreading = 10: unknown key; waves are long-crested, and a sea has one",
     ),
+    (
+        "sea_state = [",
+        'method = ["time", "frequency"]\nsea_state = [',
+        ' together, and any other by its dotted path in quotes, "solver.method"',
+    ),
     ("depth = 50.0", "depht = 50.0", "water.depht = 50.0: unknown key; did you mean depth?"),
     (
         "depth = 50.0",
