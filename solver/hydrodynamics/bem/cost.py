@@ -1,4 +1,4 @@
-"""How long boundary elements take, told before there are panels or a Green function."""
+"""How long boundary elements take, told before there is a Green function."""
 
 import time
 from statistics import median
@@ -6,6 +6,7 @@ from statistics import median
 import numpy as np
 from scipy.linalg import lu_factor
 
+from solver.hydrodynamics.bem.mesh import Mesh
 from solver.hydrodynamics.bem.problem import Problem
 from solver.hydrodynamics.bem.seabed import Box, pays
 from solver.hydrodynamics.hull import mesh as meshes
@@ -40,19 +41,14 @@ def _together(problem: Problem) -> float:
     nodes = [
         sum(Box.about(of, clear, k).count for of in points) if np.isfinite(problem.seabed(k)) else 0 for k in waves
     ]
-    total, most = 0.0, _panels(problem)
-    lids = sum(len(meshes.lid(h, n)[1]) for h, n in zip(problem.meshed, problem.lids, strict=True))
+    total = 0.0
     for n in problem.divisions:
-        part = (most * (n / problem.divisions[0]) ** 2 + lids) / images
-        pair = sum(FREE + NODE * m / len(points) if pays(m, part) else SEABED for m in nodes)
-        total += pair * images * part**2 + len(waves) * images * FACTORED * part**3
+        where = problem.meshed, problem.centres, problem.dofs, problem.base, n, problem.depth
+        mesh = Mesh.build(*where, lids=problem.lids, narrow=problem.meshing.narrow)
+        part = mesh.part.nb_faces
+        asked = sum(len(pairs.at) * pairs.sources.nb_faces for pairs in mesh.alike)
+        total += len(waves) * images * FACTORED * part**3
+        for m in nodes:
+            near = pays(m, part)
+            total += (FREE if near else SEABED) * asked + NODE * m / len(points) * images * part**2 * near
     return total
-
-
-def _panels(problem: Problem) -> int:
-    """Of the hulls in the finest mesh."""
-    base = (
-        meshes.halved_count(hull, count, narrow=problem.meshing.narrow)
-        for hull, count in zip(problem.meshed, problem.base, strict=True)
-    )
-    return sum(base) * problem.divisions[0] ** 2

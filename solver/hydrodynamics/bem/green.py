@@ -1,6 +1,7 @@
-"""Capytaine's Green function of a source under waves, and its meshes."""
+"""Capytaine's Green function of a source under waves, and meshes for it."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -44,17 +45,40 @@ def _exponentials(
     return amplitudes, GROWTH
 
 
-def joined(pieces: list[tuple[np.ndarray, np.ndarray]]) -> Any:
-    """Pieces of vertices and faces as one capytaine mesh."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Panels:
+    """A mesh as capytaine's Green function asks for it: its own would be checked and measured panel by panel."""
+
+    vertices: np.ndarray  # (nv, 3) [m]
+    faces: np.ndarray  # (n, 4)
+    faces_areas: np.ndarray  # (n,) [m²]
+    faces_centers: np.ndarray  # (n, 3) [m]
+    faces_normals: np.ndarray  # (n, 3)
+    faces_radiuses: np.ndarray  # (n,) [m]
+
+    @property
+    def nb_faces(self) -> int:
+        """Number of panels."""
+        return len(self.faces)
+
+    @property
+    def quadrature_points(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where what is smooth is taken (n, 1, 3) [m], and its weights (n, 1)."""
+        return self.faces_centers[:, None], self.faces_areas[:, None]
+
+    def of(self, some: np.ndarray) -> "Panels":
+        """Some of them, by number."""
+        return joined([(self.vertices, self.faces[some])])
+
+
+def joined(pieces: list[tuple[np.ndarray, np.ndarray]]) -> Panels:
+    """Pieces of vertices and faces as one mesh."""
     vertices, faces = merged(pieces)
-    # Cleaning would take panels away that we count on; nor is there anything to clean.
-    mesh = capytaine().Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
-    mesh.__dict__ |= _cached(vertices[faces])
-    return mesh
+    return Panels(vertices=vertices, faces=faces, **_measured(vertices[faces]))
 
 
-def _cached(corners: np.ndarray) -> dict[str, np.ndarray]:
-    """What capytaine's mesh would find panel by panel of its corners (n, 4, 3), the last two alike in a triangle.
+def _measured(corners: np.ndarray) -> dict[str, np.ndarray]:
+    """What capytaine finds of panels' corners (n, 4, 3), the last two alike in a triangle.
 
     Centre and area of the two triangles abc and acd, n along the cross of the diagonals, distance of a from the centre.
     """

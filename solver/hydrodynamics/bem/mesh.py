@@ -2,17 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from solver.errors import InputError
 from solver.hydrodynamics.bem.far_field import PlaneWaves, modes, plane_waves
-from solver.hydrodynamics.bem.green import green_function, joined
+from solver.hydrodynamics.bem.green import Panels, green_function, joined
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import body_name, unit_motions
 from solver.hydrodynamics.bem.seabed import added, deep_wavenumber
+from solver.hydrodynamics.bem.turned import Alike, alike
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.gaps import gaps
 from solver.hydrodynamics.hull.mesh import Hull
@@ -22,7 +23,7 @@ from solver.hydrodynamics.hull.surface import WELD, divided, mirrored, point_tex
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Mesh:
-    """The part of the wetted surface that `mirrors` complete, and all of it, as capytaine meshes about `origin`.
+    """The part of the wetted surface that `mirrors` complete, and all of it, about `origin`.
 
     And of lids: inside the hulls against irregular frequencies; and damping ones, on water in gaps. There a pressure
     ρμφ resists the water and takes ½ρμK|φ|² of power from each m²: with μ = εω, ∂φ/∂z = (1 + iε) Kφ, K = ω²/g
@@ -32,8 +33,8 @@ class Mesh:
 
     mirrors: np.ndarray  # (ng, 3) of signs, the identity first
     origin: np.ndarray  # (3,) where the mirror planes cross [m]
-    part: Any  # nf panels
-    whole: Any  # ng nf panels, mirror by mirror
+    part: Panels  # nf panels
+    whole: Panels  # ng nf panels, mirror by mirror
     wet: np.ndarray  # (nf,) True on hulls, False on lids
     gap: np.ndarray  # (nf,) True on damping lids
     motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
@@ -128,36 +129,53 @@ class Mesh:
         D = sum of χ(g) D_g. On damping lids of loss εK [1/m] sources are normal_velocity - iεKφ.
         """
         ng, nf, _ = normal_velocity.shape
-        single, double = (influence.reshape(ng, nf, nf) for influence in self._influences(k, seabed))
+        single, double = (influence.reshape(nf, ng, nf) for influence in self._influences(k, seabed))
         if loss:
             lid = np.flatnonzero(self.gap)
-            double[:, :, lid] = 1j * loss * single[:, :, lid]
-            double[0, lid, lid] += 1
+            double[lid] = 1j * loss * single[lid]
+            double[lid, 0, lid] += 1
         potentials = []
         for sign in meshes.symmetry_classes(self.mirrors):
             source = np.tensordot(sign, normal_velocity, 1) / ng
             if np.abs(source).max() > 1e-12 * np.abs(normal_velocity).max():
-                rhs = np.tensordot(sign, single, 1) @ source
-                potentials.append((sign, lu_solve(lu_factor(np.tensordot(sign, double, 1)), rhs)))
+                rhs = (sign @ single).T @ source
+                potentials.append((sign, lu_solve(lu_factor((sign @ double).T), rhs)))
         return potentials
 
+    @cached_property
+    def alike(self) -> list[Alike]:
+        """Of which panels the Green function is asked for."""
+        return alike(self.whole, self.part, len(self.mirrors))
+
     def _influences(self, k: float, seabed: float) -> tuple[np.ndarray, np.ndarray]:
-        """S and D (ng nf, nf) of the part's panels at the middles of the whole's."""
+        """S and D (nf, ng nf) of the part's panels at the middles of the whole's."""
         more = added(self.whole, self.bodies, self.part, seabed, k) if np.isfinite(seabed) else None
         depth, wave = (np.inf, deep_wavenumber(k, seabed)) if more else (seabed, k)
-        single, double = green_function().evaluate(
-            self.whole, self.part, water_depth=depth, wavenumber=wave, adjoint_double_layer=False
-        )
+        single, double = np.empty((2, self.part.nb_faces, len(self.bodies)), complex)
+        for pairs in self.alike:
+            influences = green_function().evaluate(
+                self.whole.faces_centers[pairs.at],
+                pairs.sources,
+                water_depth=depth,
+                wavenumber=wave,
+                adjoint_double_layer=False,
+                diagonal_term_in_double_layer=pairs.own,
+            )
+            for influence, of_all in zip(influences, (single, double), strict=True):
+                pairs.spread(influence.T, of_all)
         self._require_finite(single, double)
         double[~np.isfinite(double)] = 0.0
-        return (single + more[0], double + more[1]) if more else (single, double)
+        if more:
+            single += more[0].T
+            double += more[1].T
+        return single, double
 
     def _require_finite(self, single: np.ndarray, double: np.ndarray) -> None:
-        """Refuse influences (ng nf, nf) of panels that are not finite, but of dipoles on a middle on their edge."""
-        at, of = np.nonzero(~(np.isfinite(single) & np.isfinite(double)))
+        """Refuse influences (nf, ng nf) of panels that are not finite, but of dipoles on a middle on their edge."""
+        of, at = np.nonzero(~(np.isfinite(single) & np.isfinite(double)))
         away = self.whole.faces_centers[at] - self.part.faces_centers[of]
         off = np.abs(np.sum(away * self.part.faces_normals[of], axis=1))
-        wrong = of[(off > WELD * self.part.faces_radiuses[of]) | ~np.isfinite(single[at, of])]
+        wrong = of[(off > WELD * self.part.faces_radiuses[of]) | ~np.isfinite(single[of, at])]
         if len(wrong):
             place = point_text(self.part.faces_centers[wrong[0]] + self.origin)
             limit = (

@@ -8,6 +8,7 @@ import pytest
 from pytest import approx
 
 from solver.hydrodynamics.bem import bem, cost, mesh
+from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -38,9 +39,9 @@ class Counted:
     def __init__(self):
         self.seconds = 0.0
 
-    def evaluate(self, whole, part, *, water_depth, wavenumber, adjoint_double_layer):
-        del wavenumber, adjoint_double_layer
-        seen, solved = whole.nb_faces, part.nb_faces
+    def evaluate(self, points, part, *, water_depth, wavenumber, adjoint_double_layer, diagonal_term_in_double_layer):
+        del wavenumber, adjoint_double_layer, diagonal_term_in_double_layer
+        seen, solved = len(points), part.nb_faces
         self.seconds += seen * solved * (cost.SEABED if np.isfinite(water_depth) else cost.FREE)
         return np.zeros((seen, solved), complex), np.eye(seen, solved, dtype=complex)
 
@@ -70,7 +71,9 @@ def test_dense_meshes_cost_what_their_coarser_ones_do():
     dense = PanelHull.of(np.array(points) * 3.0, np.array(corners))
     problem = bem.Problem.of((dense,), np.zeros((1, 3)), depth=np.inf, omega=np.array([1.0]))
     assert len(dense.wetted) > 1500
-    assert cost._panels(problem) == approx(864, rel=0.2)
+    finer, _ = (meshes.panels(problem.meshed[0], problem.base[0], refine=n)[1] for n in problem.divisions)
+    assert len(finer) == approx(864, rel=0.2)
+    assert cost.seconds(problem) < cost.FREE * 2 * len(dense.wetted) ** 2 / 4
 
 
 def test_factorizations_count_where_nothing_is_symmetric():
