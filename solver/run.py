@@ -17,7 +17,7 @@ from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_errors, unjudged
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.limits import field_error
-from solver.oddities import beyond_tables, of_motions, overdamped, warnings
+from solver.oddities import overdamped, warnings
 from solver.record.accuracy import ATTEMPTS, first_guess, improved, overruled
 from solver.record.audit import audit, doubts
 from solver.record.bound import above
@@ -30,6 +30,7 @@ from solver.record.slow import SlowShare
 from solver.record.starting import from_rest
 from solver.record.turning import turning
 from solver.record.unknown import without_unknown
+from solver.remarks import beyond_tables, of_motions
 from solver.scene import Scene
 
 # What the record says of how it was computed.

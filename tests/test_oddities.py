@@ -11,8 +11,9 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from solver.limits import pushed
 from solver.mooring import Line
-from solver.oddities import beyond_tables, overdamped, shoved, snapped, warnings
+from solver.oddities import overdamped, warnings
 from solver.power_takeoff import PtoEfficiency, PtoTable
+from solver.remarks import beyond_tables, shoved, snapped
 from solver.run import simulate
 from solver.scene import EndStops, Float
 from solver.sea.current import Current, CurrentSpeed

@@ -30,7 +30,7 @@ from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
-from solver.oddities import beyond_tables, drag_driven, idle, not_gaussian, of_motions, pulled, skewed, stopped
+from solver.oddities import idle
 from solver.power_takeoff import PtoTable
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
@@ -41,6 +41,7 @@ from solver.record.fatigue import crossing_rate
 from solver.record.probe import UNTOLD, knows_finer, with_tables
 from solver.record.spectra import bands, crossings, moments
 from solver.record.steel import Steel
+from solver.remarks import beyond_tables, drag_driven, not_gaussian, of_motions, pulled, skewed, stopped
 from solver.scene import Scene, require_waves
 
 NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
@@ -184,7 +185,7 @@ def _beyond_rayleigh(case: Case, response: Response) -> np.ndarray:
 
 
 def _stopped(case: Case, law: JointLaw, response: Response) -> list[str]:
-    """See oddities.stopped."""
+    """See remarks.stopped."""
     borne, joints = response.pto * rate_lines(case, response), slice(case.system.structure.carrier.shape[0], None)
     table = gaussian.table(np.zeros(borne.shape[1]), borne, case.process)
     holding = np.where(response.stuck, friction(law)[joints], np.inf)

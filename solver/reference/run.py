@@ -27,7 +27,7 @@ from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
 from solver.multibody.of_axes import bent, joint_energy, stop_loads
-from solver.oddities import of_motions, warnings
+from solver.oddities import warnings
 from solver.record.audit import doubts, unmet
 from solver.record.bound import above
 from solver.record.channels import Record
@@ -55,6 +55,7 @@ from solver.reference.elastic import ElasticSupport, FixedSupport
 from solver.reference.joints import AxesJoint, Frames, Hinge
 from solver.reference.loads import Floats, PressureForce, Surface, held
 from solver.reference.twoloop import Sample, integrate
+from solver.remarks import of_motions
 from solver.scene import Float, Scene
 from solver.sea.realization import ramp
 

@@ -10,7 +10,7 @@ from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from solver.hydrodynamics.hull.swing import Jointed, meeting
-from solver.oddities import met
+from solver.remarks import met
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
 from tests import awkward

@@ -1,0 +1,204 @@
+"""Sentences for the user on what a run met that is beyond some part of its model."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from solver.hydrodynamics.hull.swing import inside
+from solver.mooring import line_pulls
+from solver.scene import DOFS, Float, Scene, load_unit_along, unit_along
+from solver.sea.field import wave_field
+from solver.statistics import STATISTICS, of_joints
+
+STEEP = 1.2  # factor by which extremes may exceed those of Gaussian responses
+APART = 1.1  # factor by which extremes may miss those of Gaussian rates or forces; of power it is the square
+STRAYED = 0.5  # [rad] of the mean wave that it may go from where linear wave loads have their phases
+SHOVED = 0.1  # times the std of a motion: a mean that counts
+PULLED = 1e-6  # [N/kg] along it: less is none
+SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
+HANGING = 1.1  # times the weight of a line that hangs straight down at rest: it pulls so where waves lift its float
+
+
+def strayed(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for each float that went far from where linear wave loads have their phases, or from another float."""
+    if "motion" not in tables or not scene.settings.diffraction or not scene.sea.amplitude.any():
+        return
+    waves = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
+    ways = np.array(_along_waves(scene, axes, tables, waves.direction))
+    most = np.abs(ways).max(axis=1, initial=0.0)
+    for b, (f, nonlinear) in enumerate(zip(scene.floats, scene.nonlinear, strict=True)):
+        far, place = most[b], "where it is given, which the phases of linear wave loads are of"
+        if nonlinear:  # from one that went less far
+            apart = np.abs(ways[b] - ways).max(axis=1) * (most <= most[b]) * scene.settings.interaction
+            other, far = scene.floats[int(np.argmax(apart))].name, apart.max()
+            place = f"its place at rest beside floats.{other}, by which they scatter and radiate waves to each other"
+        if far > STRAYED * waves.mean_length:
+            yield (
+                f"floats.{f.name} went {far:.3g} m along the waves, {far / waves.mean_length:.2g} rad of the mean wave,"
+                f" from {place}: no part of the estimated error"
+            )
+
+
+def _along_waves(
+    scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray], direction: np.ndarray
+) -> list[np.ndarray]:
+    """Mean, highest and lowest way (3,) of each float by what slides, its carriers with it."""
+    ways: list[np.ndarray] = []
+    told = [STATISTICS.index(name) for name in ("mean", "max", "min")]
+    for f, carrier, motion in zip(scene.floats, scene.carriers, tables["motion"][..., told], strict=True):
+        way = ways[carrier].copy() if carrier >= 0 else np.zeros(len(told))
+        for axis, of_axis in zip(axes, motion, strict=True):
+            if axis in f.motion and axis in DOFS[:2]:
+                way += f.direction(axis) @ direction * of_axis
+        ways.append(way)
+    return ways
+
+
+def of_motions(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """Sentences for motions, of which `tables` has statistics, that are too large for some part of a model."""
+    yield from met(scene, axes, tables)
+    yield from swung(scene, axes, tables)
+    yield from strayed(scene, axes, tables)
+    yield from shoved(scene, axes, tables)
+    yield from snapped(scene, tables)
+
+
+def snapped(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for each line, taut at rest, whose least tension is about the weight of what hangs straight down."""
+    if "line_tension" not in tables:
+        return
+    least = iter(tables["line_tension"][:, STATISTICS.index("min")])
+    for f in scene.floats:
+        for number, (line, pull) in enumerate(zip(f.lines, line_pulls(f.lines, f.centre), strict=True), 1):
+            hanging = line.weight * (f.centre[2] + line.fairlead[2] - line.anchor[2])
+            tension = next(least)
+            if tension < HANGING * hanging and line.weight * line.length < np.linalg.norm(pull):
+                yield (
+                    f"floats.{f.name}.lines: line {number}, {np.linalg.norm(pull):.4g} N at rest, goes slack, down to"
+                    f" {tension:.4g} N: as it snaps a run depends on its last digits, which the estimated error does"
+                    " not tell; other steps or seeds tell how much"
+                )
+
+
+def shoved(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for each horizontal axis along which waves alone keep a float, of body-nonlinear pressure, off."""
+    if "motion" not in tables or scene.current is not None or not scene.sea.amplitude.any():
+        return
+    mean, std = (tables["motion"][..., STATISTICS.index(name)] for name in ("mean", "std"))
+    for b, (f, nonlinear) in enumerate(zip(scene.floats, scene.nonlinear, strict=True)):
+        for axis, pull in zip(f.motion, f.pulls, strict=True):
+            j = axes.index(axis)
+            if nonlinear and axis in DOFS[:2] and abs(pull) < PULLED * f.mass and abs(mean[b, j]) > SHOVED * std[b, j]:
+                yield (
+                    f"floats.{f.name}: its mean {axis}, {mean[b, j]:.2g} m, is by the incident waves' pressure on the"
+                    " wet hull, without that of second order of the waves it sends out, and may be several times too"
+                    ' large: outputs = ["drift"] of the frequency domain has both; no part of the estimated error'
+                )
+
+
+def met(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for floats that meet at places between the extremes of a run, of which `tables` has statistics."""
+    if not axes:
+        return
+    high, low = (of_joints(tables)[..., STATISTICS.index(name)] for name in ("max", "min"))
+    strokes = {}
+    for b, f in enumerate(scene.floats):
+        if len(f.motion) == 1:
+            j = axes.index(f.motion[0])
+            strokes[f.name] = inside(f.jointed, low[b, j], high[b, j])
+    for a, b_, at in scene.meetings(strokes):
+        yield f"floats.{a} and floats.{b_} meet at {at}, where each of them came; no load tells of it"
+
+
+def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """A sentence for each axis about which a float turns by more than linear buoyancy's small angles."""
+    if not axes:
+        return
+    moved = of_joints(tables)
+    for f, exact, of_axes in zip(scene.floats, scene.nonlinear, moved[..., STATISTICS.index("std")], strict=True):
+        for axis, angle in zip(axes, of_axes, strict=True):
+            if not exact and axis not in DOFS[:3] and angle > SWUNG:
+                yield (
+                    f"floats.{f.name}: the std of {axis} is {angle:.2g} rad, and linear pressure is one of small"
+                    " angles: what they leave out goes with their square, and is no part of the estimated error"
+                )
+
+
+def drag_driven(factor: float, shaken: float) -> Iterator[str]:
+    """Sentences where drag makes a frame's extremes exceed Gaussian ones by a factor, and by what is not linear of it
+    shakes nodes with a share of their accelerations.
+    """
+    if factor > STEEP:
+        yield (
+            "platform: drag, which goes by the velocity's square, drives the legs: expect largest displacements and"
+            f" stresses up to {factor:.2g} times those of the linear responses that max and min are of"
+        )
+    if shaken > 0.5:
+        yield (
+            f"platform: {shaken:.0%} of the variance of a node's acceleration is by what is not linear of drag, which"
+            " comes in bursts: expect the largest up to twice those that max and min are of"
+        )
+
+
+def pulled(factor: float) -> Iterator[str]:
+    """A sentence where steel bears loads of joints that bend, and its extremes are not Gaussian, by a factor."""
+    if max(factor, 1 / factor) > APART:
+        yield (
+            "platform: steel bears loads of joints that are not Gaussian: expect its largest forces and stresses, where"
+            f" these are most of them, {factor:.2g} times those told, and damage by as much in its ranges"
+        )
+
+
+def skewed(factor: float) -> Iterator[str]:
+    """A sentence where arms that turn make extremes of joints' forces exceed Gaussian ones by a factor."""
+    if factor > APART:
+        yield (
+            "floats: arms turn, and forces of joints are not linear: expect largest ones up to"
+            f" {factor:.2g} times those that max and min have"
+        )
+
+
+def not_gaussian(floats: Sequence[Float], factor: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis whose extremes to be expected are not those of a Gaussian rate, by a factor (nj,)."""
+    axes = [(f.name, axis) for f in floats for axis in f.motion]
+    for (name, axis), times in zip(axes, factor, strict=True):
+        if max(times, 1 / times) > APART:
+            yield (
+                f"floats.{name}: the load by rate makes {axis} unlike the linear model that max and min are of: expect"
+                f" {times:.2g} times their motion and rate, and up to {times**2:.2g} times their power"
+            )
+
+
+def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis whose motion or rate, met from `low` to `high` (2, nj), leaves the range in which the
+    load of its power take-off is given, where that is not level at the range's end."""
+    axes = [(f, axis, points) for f in floats for axis, points in zip(f.motion, f.pto_points, strict=True)]
+    for j, (item, axis, points) in enumerate(axes):
+        if points is None:
+            continue
+        y, v, load = points
+        for k, (what, given, lines) in enumerate((("position", y, load), ("rate", v, load.T))):
+            if given.size and (
+                (low[k, j] < given[0] and np.any(lines[0] != lines[1]))
+                or (high[k, j] > given[-1] and np.any(lines[-1] != lines[-2]))
+            ):
+                unit = unit_along(axis) + "/s" * k
+                yield (
+                    f"floats.{item.name}: the {what} of {axis} was {low[k, j]:+.3g} to {high[k, j]:+.3g} {unit}, beyond"
+                    f" {given[0]:+.3g} to {given[-1]:+.3g} {unit}, in which the load of its power take-off is given:"
+                    " beyond that it stays what it is at the ends"
+                )
+
+
+def stopped(floats: Sequence[Float], friction: np.ndarray, load: np.ndarray) -> Iterator[str]:
+    """A sentence for each axis that friction (nj,) holds in a linear model, though not against the largest load that
+    waves put on it, of statistics (nj, 5)."""
+    axes = [(f.name, axis) for f in floats for axis in f.motion]
+    for (name, axis), holding, of in zip(axes, friction, load, strict=True):
+        most, std = of[STATISTICS.index("max")], of[STATISTICS.index("std")]
+        if most > holding:
+            yield (
+                f"floats.{name}: friction holds {axis} in the linear model, {holding:.4g} {load_unit_along(axis)}"
+                f" against {std:.4g} (std) and {most:.4g} at most by waves: it moves now and then, and only a run in"
+                " time tells how far"
+            )
