@@ -1,7 +1,7 @@
 """What linearised drag leaves out of the quadratic one: forces of higher orders, as lines of their own.
 
-They have a spectrum where the waves have none, too, and so drive a platform at a resonance below their band. That of
-forces at two places goes by the covariance of the velocities there, R = ½ Re Σ x x'* exp(-iωτ) (see linear_drag):
+They have a spectrum where the waves have none, too, and so drive a platform at resonances below and above their band.
+That of forces at two places goes by the covariance of the velocities there, R = ½ Re Σ x x'* exp(-iωτ) (see linear_drag):
 
     S(ω) = (1/π) ∫ Σ n! aₙaₙ' R(τ)ⁿ exp(iωτ - ½(bτ)²) dτ,
 
@@ -34,7 +34,8 @@ class Nodes(NamedTuple):
 
 
 def nodes(highest: float, own: np.ndarray, half: np.ndarray, share: np.ndarray, unit: float = 1.0) -> Nodes:
-    """Evenly spaced in Λ, which rises by SMOOTH in all and by EACH at each resonance that is the frame's:
+    """Evenly spaced in Λ, which rises by SMOOTH up to the fastest wave, by as much above it, and by EACH at each
+    resonance that is the frame's:
 
     Λ(ω) = SMOOTH f(ω/ω_max) + EACH Σ share (1/π) atan((ω - ω₀)/γ), in which a resonance's response is level; f(x) is x
     up to 1 and (1 + x)/2 above, where the forces are smooth and small.
