@@ -1,7 +1,8 @@
 """What linearised drag leaves out of the quadratic one: forces of higher orders, as lines of their own.
 
-They have a spectrum where the waves have none, too, and so drive a platform at resonances below and above their band.
-That of forces at two places goes by the covariance of the velocities there, R = ½ Re Σ x x'* exp(-iωτ) (see linear_drag):
+They have a spectrum where the waves have none, too, and so drive a platform at resonances below and above their
+band. That of forces at two places goes by the covariance of the velocities there, R = ½ Re Σ x x'* exp(-iωτ) (see
+linear_drag):
 
     S(ω) = (1/π) ∫ Σ n! aₙaₙ' R(τ)ⁿ exp(iωτ - ½(bτ)²) dτ,
 
