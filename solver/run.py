@@ -14,7 +14,7 @@ from solver.coupled.natural import require_stable, require_upright, system_modes
 from solver.coupled.stages import copied
 from solver.coupled.system import BALANCE
 from solver.errors import SimulationFailed, StepTooLong
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coefficient_errors, unjudged
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, cautions, coefficient_errors
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.limits import field_error
 from solver.oddities import overdamped, warnings
@@ -190,7 +190,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         *recorder.settling.notes(channels),
         *from_rest(system, hydrodynamics),
         *above(scene, tables, attrs["estimated_error"], attrs["stored_energy_change"]),
-        *unjudged(hydrodynamics),
+        *cautions(hydrodynamics),
         *doubted,
     ):
         attrs["warnings"] = "; ".join(odd)

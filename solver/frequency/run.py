@@ -27,7 +27,7 @@ from solver.frequency.response import Response, respond, respond_in
 from solver.frequency.ringing import rung
 from solver.frequency.rotation import rotation_effect, turned
 from solver.frequency.shape import beyond_rayleigh
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, cautions, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
 from solver.oddities import idle
@@ -114,7 +114,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *unresolved(case, response),
         *slipping,
         *above(scene, tables, errors["estimated_error"]),
-        *unjudged(hydrodynamics),
+        *cautions(hydrodynamics),
         *doubted,
     ):
         attrs["warnings"] = "; ".join(notes)

@@ -25,7 +25,7 @@ from solver.coupled.problem import BEYOND, CONTACT, LOAD, Output, whole_output
 from solver.coupled.sliding import leaders
 from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics, coarser, coefficient_errors, unjudged
+from solver.hydrodynamics.bem.coefficients import Hydrodynamics, cautions, coarser, coefficient_errors
 from solver.multibody.of_axes import bent, joint_energy, stop_loads
 from solver.oddities import warnings
 from solver.record.audit import doubts, unmet
@@ -148,7 +148,7 @@ def simulate_reference(
         *recorder.settling.notes(channels),
         *from_rest(case.system, hydrodynamics),
         *above(scene, tables, audited["estimated_error"], change),
-        *unjudged(hydrodynamics),
+        *cautions(hydrodynamics),
         *doubted,
     ):
         attrs["warnings"] = "; ".join(odd)

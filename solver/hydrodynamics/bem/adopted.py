@@ -14,19 +14,17 @@ import scipy  # ndimage is slow to import, and few runs have coefficients from a
 
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.bem import agreement
-from solver.hydrodynamics.bem.coefficients import DOFS, LACKING, PLANAR, Hydrodynamics, MeshError, symmetric
+from solver.hydrodynamics.bem.coefficients import DOFS, LACKING, PLANAR, ROUGHLY, Hydrodynamics, MeshError, symmetric
 from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import KEY, Given, about
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths
-from solver.hydrodynamics.bem.radiated import infinite, require_damping, require_energy, require_together, word
+from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov
+from solver.hydrodynamics.bem.passive import mended, require_passive, scales
+from solver.hydrodynamics.bem.radiated import infinite, require_damping, require_energy, require_together
 from solver.hydrodynamics.hull.mesh import Hull
 
 FEWEST = 8  # frequencies from which a memory can be fitted
 TOLD = 1e-3  # relative, to which water and heading must be those of the study
-LOPSIDED = 0.2  # of the largest entry's scale: more asymmetry is no error of a mesh
-ACTIVE = 0.05  # of the largest damping: more below zero is no error of a mesh
-FEW = 0.25  # of the frequencies: irregular ones are no more of them, or lie above the largest damping's
 PUSHED = 1e-3  # of the largest wave force along a float's axes: less along another is none
 CURVES = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")  # the last is known exactly
 SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do at least
@@ -60,26 +58,27 @@ def adopted(
     centres = np.asarray(centres, float).reshape(-1, 3)
     sea = Sea(depth=depth, density=density, gravity=gravity, heading=heading)
     dofs = PLANAR if planar else DOFS
-    lengths = motion_lengths(hulls, DOFS)
     each = needed or [dofs] * len(hulls)
     refuse([*_water_problems(given, depth, density, gravity), *_form_problems(given, each, heading)])
     six, told = _complete(given, names, each, heading)
     own = centres if points is None else points
     six = _about_own(six, own, centres)
     moved = np.array([6 * b + k for b, those in enumerate(each) for k, dof in enumerate(DOFS) if dof in those], int)
-    refuse(_radiation_problems(six, _scales(six, lengths), moved, names))
-    omega = six.omega
+    floats, omega = Floats(hulls, centres, own, tuple(names), sea), six.omega
+    # Of translations, which go by no point, before what shows that moments are about another one.
+    require_passive(about(six, centres), floats, moved[moved % 6 < 3])
     expected = froude_krylov(hulls, centres, DOFS, sea, omega)
-    floats = Floats(hulls, centres, own, tuple(names), sea)
     six, notes = agreement.agreed(six, floats, expected)
     if waves:
         _require_covered(given, *waves)
     doubt = agreement.require_moments(six, floats, expected)
-    damping = require_damping(six, moved, names)
-    require_energy(six, floats, moved)
+    rough, damping = require_passive(six, floats, moved), require_damping(six, moved, names)
+    unlike, lacks = require_energy(six, floats, moved)
     require_together(six, floats, moved)
-    added, unsure = infinite(six, _scales(six, lengths)["added_mass"], moved, names, memory=memory)
-    A, B = symmetric(six.added_mass), symmetric(six.radiation_damping)
+    added, unsure = infinite(six, scales(six, floats)["added_mass"], moved, names, memory=memory)
+    A, B = symmetric(six.added_mass), mended(six, floats, moved)
+    if off := "; ".join([*rough, *unlike]):
+        notes |= {ROUGHLY: f"{off}; are thin parts, as a heave plate, in too few panels?"}
     index = np.array([6 * b + DOFS.index(d) for b in range(len(hulls)) for d in dofs])
     # Without any of the waves' that is scattered, where that is not told.
     curves = _curves(replace(six, added_mass=A, radiation_damping=B, added_mass_inf=added), expected, index, told)
@@ -91,7 +90,7 @@ def adopted(
         **at_rest(hulls, centres, dofs, sea),
     )
     # With A and B as lopsided as they are told: half of what is between their halves.
-    other = replace(six, points=centres - doubt, added_mass_inf=added + unsure, radiation_damping=damping)
+    other = replace(six, points=centres - doubt, added_mass_inf=added + unsure, radiation_damping=damping + lacks)
     perhaps = _curves(about(other, centres), expected, index, told)
     there = np.isin(index, moved)
     pushed = there | (told & (np.arange(told.size) % 6 < 3))[index]  # joints bear forces along what they hold
@@ -295,58 +294,3 @@ def _about_own(six: Given, own: np.ndarray, centres: np.ndarray) -> Given:
     if six.points is None or np.isnan(six.points).all():
         return replace(about(replace(six, points=own), centres), points=None)
     return replace(six, points=np.where(np.isnan(six.points), own, six.points))
-
-
-def _scales(six: Given, lengths: np.ndarray) -> dict[str, np.ndarray]:
-    """Size (n,) of a column's share of A and of B, so that entries of translations and rotations compare.
-
-    Columns that hardly radiate, such as a sphere's turning, are as large as a tenth of the largest.
-    """
-    scales = {}
-    for name in ("added_mass", "radiation_damping"):
-        largest = np.abs(np.einsum("wii->wi", getattr(six, name))).max(axis=0) / lengths**2
-        scales[name] = lengths * np.sqrt(np.maximum(largest, 1e-2 * largest.max()))
-    return scales
-
-
-def _radiation_problems(
-    six: Given, scale: dict[str, np.ndarray], moved: np.ndarray, names: Sequence[str]
-) -> list[InputError]:
-    """Matrices that no body in water has: lopsided, giving energy away or keeping it; of motions that there are."""
-    if not moved.size:
-        return []
-    both: Any = (slice(None), moved[:, None], moved)
-    words = [word(names, column) for column in moved]
-    own = six.radiation_damping[:, moved, moved]
-    still = [words[i] for i in np.flatnonzero((moved % 6 < 3) & ~own.any(axis=0))]
-    if still:
-        return [_problem(six, f"has no damping of {', '.join(still)} at any frequency: does it lack a column?")]
-    problems, radiated = [], scale["radiation_damping"][moved]
-    value, vector = np.linalg.eigh(symmetric(six.radiation_damping[both]) / np.multiply.outer(radiated, radiated))
-    largest = six.omega[np.abs(value).max(axis=1).argmax()]
-    for name, size in scale.items():
-        values = getattr(six, name)[both]
-        gap = np.abs(values - np.swapaxes(values, 1, 2)) / np.multiply.outer(size[moved], size[moved])
-        w, i, j = np.unravel_index(gap.argmax(), gap.shape)
-        if gap[w, i, j] > LOPSIDED:
-            text = (
-                f"{name.replace('_', ' ')} is not symmetric: {words[i]} on {words[j]} {values[w, i, j]:.4g}, the other"
-            )
-            text += f" way {values[w, j, i]:.4g} at {six.omega[w]:.4g} rad/s; are columns in another order or unit"
-            at = six.omega[gap.max(axis=(1, 2)) > LOPSIDED]
-            problems.append(_problem(six, f"{text}{_irregular(six.omega, at, largest)}?"))
-    w = int(value[:, 0].argmin())
-    if value[w, 0] < -ACTIVE:
-        i, at = int(np.abs(vector[w, :, 0]).argmax()), six.omega[value[:, 0] < -ACTIVE]
-        text = f"damping is negative at {six.omega[w]:.4g} rad/s, mostly of {words[i]}, by {-value[w, 0]:.0%} of its"
-        text += " largest; is the sign the other one"
-        problems.append(_problem(six, f"{text}{_irregular(six.omega, at, largest)}?"))
-    return problems
-
-
-def _irregular(omega: np.ndarray, at: np.ndarray, largest: float) -> str:
-    """A question more, where what is wrong is so at few frequencies, or above that of the largest damping."""
-    if len(at) > FEW * len(omega) and not at[0] > largest:
-        return ""
-    span = f"{at[0]:.4g}" if len(at) == 1 else f"{len(at)} of them, {at[0]:.4g} to {at[-1]:.4g}"
-    return f", or are there irregular frequencies ({span} rad/s), which a lid inside the hull takes away"

@@ -16,13 +16,15 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, symmetric
 from solver.hydrodynamics.bem.exerted import Floats, long_waves
 from solver.hydrodynamics.bem.given import KEY, Given
+from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.infinite import Share, damping_share, infinite_added_mass
 from solver.sea.dispersion import group_velocity
 
 LEANS = 0.1  # of what a motion sends out: more of the other kind makes it none of one kind
 ENERGY = 1.3  # times the power radiated may be, or may be less, than what the force tells
-DAMPED = 0.1  # of the largest damping: of less energy is not judged
+DAMPED = 0.1  # of the largest damping: of less energy is not judged,
+COUNTED = 0.1  # and of less than as much of so much of ω(M + A): it changes no answer, and meshes miss it
 ALIKE_FAR = 1.0  # kd of two bodies up to which both send out rings of one shape,
 COUPLED = 2.0  # and times the damping between them may be, or may be less, than these tell
 ALONG = 1e-6  # of a wave's direction: along an axis that has less of it is no force
@@ -80,8 +82,18 @@ def _require_power(six: Given, A: np.ndarray, B: np.ndarray, share: Share, words
             raise InputError(KEY, six.name, f"{text}; needed is B itself, of WAMIT B/(ρω)")
 
 
-def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
+def resistance(six: Given, floats: Floats) -> np.ndarray:
+    """ω(M + A) of each motion (nw, 6 nb), beside which damping changes its answers; M of what the hulls displace."""
+    lengths = motion_lengths(floats.hulls, DOFS)
+    mass = np.repeat([floats.sea.density * hull.volume for hull in floats.hulls], 6) * lengths**2
+    A = np.einsum("wii->wi", six.added_mass)
+    return np.asarray(six.omega[:, None] * (mass + np.maximum(A, 0.0)))
+
+
+def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Refuse a damping of motions `needed` that does not go with the wave force; of several bodies, in long waves.
+
+    Of motions that hardly radiate what is off and by how much (nw, 6 nb, 6 nb), as the force has it.
 
     Not where heave sends out much as a dipole and motions along the waves as a source, as of a plate that leans.
     Dipoles D of motions along x and y, symmetric, make X = De along e, and B of D² whatever the hull's own axes are.
@@ -92,6 +104,7 @@ def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
     some = np.ones(len(k), bool) if round_one else long_waves(k * max(h.largest_radius for h in hulls))
     each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
     e = np.array([np.cos(sea.heading), np.sin(sea.heading)])
+    notes, lacks = [], np.zeros(B.shape)
     for b, (name, hull) in enumerate(zip(floats.names, hulls, strict=True)):
         x = 6 * b
         A, displaced = six.added_mass[:, x : x + 3, x : x + 3], sea.density * hull.volume
@@ -100,18 +113,29 @@ def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> None:
         upright = {"in heave": k * across < LEANS * source, "along the waves": across < LEANS * along}
         level = [x + i for i in (0, 1) if abs(e[i]) > ALONG]
         tries = {
-            "in heave": ([x + 2], X[:, x + 2 : x + 3], B[:, x + 2, x + 2], 4),
-            "along the waves": (level, X[:, x : x + 2], e @ B[:, x : x + 2, x : x + 2] @ e, 8),
+            "in heave": ([x + 2], np.ones(1), X[:, x + 2 : x + 3], displaced + A[:, 2, 2], 4),
+            "along the waves": (level, e[np.abs(e) > ALONG], X[:, x : x + 2], along, 8),
         }
-        for way, (motions, pushed, damping, share) in tries.items():
-            judged = some & upright[way] & (damping > DAMPED * np.max(damping[some], initial=0.0))
-            if not np.isin(motions, needed).all() or not judged.any():
+        for way, (motions, axis, pushed, heavy, share) in tries.items():
+            damping = axis @ B[:, np.array(motions)[:, None], motions] @ axis
+            told = each * np.sum(np.abs(pushed) ** 2, axis=1) / share
+            there = some & upright[way]
+            judged = there & (damping > DAMPED * np.max(damping[some], initial=0.0))
+            radiating = judged & (np.maximum(damping, told) > DAMPED * COUNTED * six.omega * heavy)
+            rows = radiating if radiating.any() else judged
+            if not np.isin(motions, needed).all() or not rows.any():
                 continue
-            force = np.sum(np.abs(pushed) ** 2, axis=1)
-            ratio = float(np.median(damping[judged] / np.maximum(each * force / share, 1e-300)[judged]))
-            if not 1 / ENERGY < ratio < ENERGY:
-                text = f"damping {way} of {name} is {ratio:.3g} times what the wave force tells of the power radiated"
+            ratio = float(np.median((damping / np.maximum(told, 1e-300))[rows]))
+            if 1 / ENERGY < ratio < ENERGY:
+                continue
+            text = f"damping {way} of {name} is {ratio:.3g} times what the wave force tells of the power radiated"
+            if radiating.any():
                 raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
+            missed = np.where(there, told - damping, 0.0)
+            off = np.abs(missed) / (six.omega * heavy)
+            notes.append(f"{text}, by {off.max():.1g} of its ω(M + A) at {six.omega[off.argmax()]:.4g} rad/s")
+            lacks[:, np.array(motions)[:, None], motions] += np.multiply.outer(missed, np.outer(axis, axis))
+    return notes, lacks
 
 
 def require_together(six: Given, floats: Floats, needed: np.ndarray) -> None:
@@ -122,12 +146,13 @@ def require_together(six: Given, floats: Floats, needed: np.ndarray) -> None:
     """
     k, B, X = floats.sea.wavenumbers(six.omega), six.radiation_damping, six.excitation[:, 0]
     e = np.array([np.cos(floats.sea.heading), np.sin(floats.sea.heading)])
+    radiating = np.einsum("wii->wi", B) > DAMPED * COUNTED * resistance(six, floats)
     heaving = [b for b in range(len(floats.hulls)) if 6 * b + 2 in needed]
     for a, b in combinations(heaving, 2):
         i, j, way = 6 * a + 2, 6 * b + 2, (floats.centres[a] - floats.centres[b])[:2]
         reach = max(np.linalg.norm(way), *(floats.hulls[n].largest_radius for n in (a, b)))
         size = np.sqrt(np.maximum(B[:, i, i] * B[:, j, j], 0.0)) * j0(k * np.linalg.norm(way))
-        judged = (k * reach < ALIKE_FAR) & (size > 0)
+        judged = (k * reach < ALIKE_FAR) & radiating[:, i] & radiating[:, j]
         if not judged.any():
             continue
         sense = np.sign((X[:, i] * X[:, j].conj() * np.exp(-1j * k * (way @ e))).real)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from solver.errors import InputError
 from solver.hydrodynamics.bem import agreement, bem, radiated
 from solver.hydrodynamics.bem.adopted import _between, _lacking, adopted
-from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, unjudged
+from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, cautions
 from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import Given, turned
 from solver.hydrodynamics.bem.incident import Sea
@@ -95,7 +95,7 @@ def test_of_short_waves_alone_no_phase_is_judged_though_a_froude_krylov_force_is
     names = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")
     h = replace(h, omega=h.omega[short], error=None, memory=None, **{n: getattr(h, n)[short] for n in names})
     found = taken(told(h, froude_krylov=h.froude_krylov[:, None]))
-    assert unjudged(found) == [f"coefficients: {found.settings['unjudged']}"]
+    assert cautions(found) == [f"coefficients: {found.settings['unjudged']}"]
     same(found, h)
 
 
