@@ -1,7 +1,7 @@
-"""Whether a file's added mass and damping are those of bodies in water: as much one way as the other, giving no energy.
+"""Whether a file's added mass and damping are those of bodies in water: the same both ways, and giving no energy.
 
-A mesh misses both by a part of ω(M + A), as that of a heave plate in few panels does, which may be more than all damping
-of a motion that hardly radiates: what is off is held against both.
+A mesh misses both by a part of ω(M + A), as that of a heave plate in few panels does, which may be more than all the
+damping of a motion that hardly radiates: what is off is held against both.
 """
 
 import numpy as np

@@ -34,6 +34,7 @@ CONTRARY = 0.15  # of an added mass: what A∞ told may be from that of the rest
 UNKNOWN = 0.5  # of an added mass: what A∞ of the rest may be off; a memory is fitted beside an A∞ of its own
 ALIKE = 0.1  # damping off by less may be, with a told error,
 SURE = 2.0  # and by less than so many times what causality leaves in doubt
+ROUNDED = 1e-11  # of a file's largest damping: so little is none, as what moving a point leaves of a turn about an axis
 CERTAIN = 0.15  # of damping times another power of ω: what causality may doubt where it is the right one,
 CLEARER = 3.0  # and how many times less than that of the damping told
 POWERS = {-1: "multiplied", 1: "divided"}  # of ω that would set damping right, and how it was told
@@ -47,7 +48,8 @@ def require_damping(six: Given, needed: np.ndarray, names: Sequence[str]) -> np.
     share = damping_share(six.omega, A, B)
     _require_power(six, A, B, share, [word(names, column) for column in needed])
     off = np.abs(share.value - 1)
-    wrong = np.flatnonzero((off > ALIKE) & (off > SURE * share.doubt))
+    some = np.abs(B).max(axis=0) > ROUNDED * np.abs(B).max(initial=0.0)
+    wrong = np.flatnonzero(some & (off > ALIKE) & (off > SURE * share.doubt))
     if len(wrong):
         i = wrong[np.argmax(off[wrong] / share.doubt[wrong])]
         text = f"damping of {word(names, needed[i])} is {_times(share.value[i])} what its added mass tells by causality"

@@ -243,14 +243,93 @@ PLATE = Revolution.profile([[3.0, -6.0], [3.0, -5.4], [0.6, -5.4], [0.6, 1.0]])
 SEA = WATER | {"depth": np.inf}  # no seabed to solve with
 
 
+SPAR = {"hulls": (PLATE,), "centres": np.zeros((1, 3)), "names": ("spar",)}
+
+
+@cache
+def plate():
+    return solve((PLATE,), SPAR["centres"], **SEA, omega=np.linspace(0.4, 4.4, 11), planar=False, panels=108)
+
+
+def heavy(h, column):
+    """ω(M + A) of a motion."""
+    return h.omega * (h.displaced_mass[column // 6] + h.added_mass[:, column, column])
+
+
 def test_a_heave_plate_is_known_by_the_water_that_it_accelerates():
-    spar = {"hulls": (PLATE,), "centres": np.zeros((1, 3)), "names": ("spar",)}
-    h = solve((PLATE,), spar["centres"], **SEA, omega=np.linspace(0.4, 4.4, 11), planar=False, panels=108)
+    h = plate()
     whole = h.diffraction + h.froude_krylov
     assert np.sum(whole[:2, 2] * h.froude_krylov[:2, 2].conj()).real < 0  # against its Froude-Krylov force
-    same(taken(told(h), **spar, **SEA), h)
+    same(taken(told(h), **SPAR, **SEA), h)
     backwards = told(h, excitation=whole[:, None].conj())
-    refused(backwards, match="other sign of time", **spar, **SEA)
+    refused(backwards, match="other sign of time", **SPAR, **SEA)
+
+
+def test_negative_damping_that_changes_no_answer_is_taken_as_none_and_told():
+    """As panels of a heave plate too coarse have it; not of what matters, nor what is of the other sign."""
+    h, heave = plate(), (slice(None), 2, 2)
+    off = 0.004 * heavy(h, 2)
+
+    def less(times):
+        B = h.radiation_damping.copy()
+        B[heave] -= times * off
+        return told(h, radiation_damping=B)
+
+    found, B = taken(less(1.0), **SPAR, **SEA), less(1.0).radiation_damping[heave]
+    (caution,) = cautions(found)
+    assert "damping, mostly of spar heave, is negative by 0.004 of its ω(M + A) at" in caution
+    assert caution.endswith("are thin parts, as a heave plate, in too few panels?")
+    assert found.radiation_damping[heave] == pytest.approx(np.maximum(B, 0.0), abs=1e-6 * B.max())
+    assert found.error.radiation_damping[heave][B < 0] == pytest.approx(B[B < 0], abs=0.5 * off.max())
+    refused(less(3.0), match="damping is negative at", **SPAR, **SEA)
+    refused(told(h, radiation_damping=-h.radiation_damping), match="is the sign the other one", **SPAR, **SEA)
+
+
+def test_damping_of_what_hardly_radiates_may_be_other_than_its_force_tells_and_is_told():
+    h, heave = plate(), (slice(None), 2, 2)
+    sea, origin = Sea(**SEA), np.zeros((1, 3))
+    floats, B = Floats(SPAR["hulls"], origin, origin, SPAR["names"], sea), np.zeros(h.radiation_damping.shape)
+    B[heave] = 0.1 * h.radiation_damping[heave]  # 0.3 % of ω(M + A) at most
+    given = told(h, radiation_damping=B, excitation=np.sqrt(0.1) * told(h).excitation)
+    notes, lacks = radiated.require_energy(given, floats, np.array([2]))
+    assert not notes and not lacks.any()
+    (note,), lacks = radiated.require_energy(replace(given, radiation_damping=0.5 * B), floats, np.array([2]))
+    assert "damping in heave of spar is 0.496 times what the wave force tells of the power radiated" in note
+    assert note.endswith(", by 0.002 of its ω(M + A) at 1.6 rad/s")
+    assert lacks[heave] == pytest.approx(0.5 * B[heave], abs=0.03 * B.max()) and not lacks[:, :2].any()
+    with pytest.raises(InputError, match=r"damping in heave of spar is 1\d\.\d times what"):
+        radiated.require_energy(replace(given, radiation_damping=15 * B), floats, np.array([2]))
+
+
+def test_lopsided_damping_between_bodies_that_changes_no_answer_is_told():
+    hulls, omega = (PLATE, HULLS[0]), np.linspace(0.4, 4.4, 8)
+    h = solve(hulls, CENTRES, **SEA, omega=omega, planar=False, panels=108)
+    at = {**SEA, "planar": False, "needed": [("heave",)] * 2}
+
+    def lopsided(share):
+        B = h.radiation_damping.copy()
+        B[3, 2, 8] = B[3, 8, 2] + share * np.sqrt(heavy(h, 2)[3] * heavy(h, 8)[3])
+        return told(h, bodies=("", ""), radiation_damping=B)
+
+    given = lopsided(0.03)
+    B, found = given.radiation_damping, adopted(given, hulls, CENTRES, ("spar", "ball"), **at)
+    (caution,) = cautions(found)
+    told_of = "damping of spar heave on ball heave and the other way differ by 0.03 of their ω(M + A) at 2.114 rad/s"
+    assert told_of in caution.replace("ball heave on spar heave", "spar heave on ball heave")
+    off = found.error.radiation_damping[3, 2, 8] - found.error.radiation_damping[3, 8, 2]
+    assert off == pytest.approx(B[3, 2, 8] - B[3, 8, 2], rel=1e-6)
+    with pytest.raises(InputError, match=r"damping is not symmetric: .* in another order or unit"):
+        adopted(lopsided(0.3), hulls, CENTRES, ("spar", "ball"), **at)
+
+
+def test_passivity_goes_by_no_point_of_moments():
+    """What of damping is a little negative in short waves, where turns of bodies far off radiate as little."""
+    B = ours().radiation_damping.copy()
+    B[-1, 2, 2] = -0.045 * B[:, 2, 2].max()
+    h = replace(ours(), radiation_damping=B)
+    here, far = taken(told(h)), about(h, np.zeros((2, 3)))
+    same(taken(far), here)
+    refused(replace(far, points=None), match="wave moments on .* are as about a point .* from the one told")
 
 
 def test_a_heave_plate_in_another_order_is_named():
@@ -450,7 +529,7 @@ def test_a_long_hull_turned_in_plan_keeps_its_damping():
     D, k = R @ np.diag([1.0, 3.0]) @ R.T, sea.wavenumbers(omega)
     each = k / (sea.density * sea.gravity * group_velocity(omega, sea.depth, sea.gravity))
     X, B = np.zeros((8, 1, 6), complex), np.zeros((8, 6, 6))
-    X[:, 0, :2], B[:, :2, :2] = 1e3 * D[0], 1e6 / 8 * each[:, None, None] * (D @ D)
+    X[:, 0, :2], B[:, :2, :2] = 1e5 * D[0], 1e10 / 8 * each[:, None, None] * (D @ D)
     columns = tuple((0, dof) for dof in DOFS)
     given = told(first(boxy(), 8), omega=omega, radiation_damping=B, excitation=X, columns=columns)
     floats = Floats(BOX["hulls"], BOX["centres"], BOX["centres"], BOX["names"], sea)
@@ -602,17 +681,19 @@ def test_negative_damping_at_few_or_high_frequencies_may_be_an_irregular_one():
     """Beyond the waves' own there is little left to radiate, and a mesh without a lid sloshes inside."""
     heave = 2
     damping = ours().radiation_damping
-    one, high = damping.copy(), damping.copy()
-    one[3, heave, heave] *= -1.0
+    one, low, high = damping.copy(), damping.copy(), damping.copy()
     peak = damping[:, heave, heave].argmax()
-    high[max(peak + 1, 9) :, heave, heave] = -0.5 * damping[peak, heave, heave]
+    one[10, heave, heave] = high[max(peak + 1, 9) :, heave, heave] = -0.5 * damping[peak, heave, heave]
+    low[3, heave, heave] *= -1.0
     assert damping[3, heave, heave] > 0.1 * damping[peak, heave, heave]
-    at = ours().omega[3]
+    at, long = ours().omega[[10, 3]]
     refused(told(radiation_damping=one), match=rf"the other one, or are there irregular frequencies \({at:.4g} rad/s\)")
+    thin = rf"or are thin parts, as a heave plate, in too few panels \({long:.4g} rad/s\)"
+    refused(told(radiation_damping=low), match=f"is the sign the other one, {thin}")  # too long to slosh inside
     refused(told(radiation_damping=high), match=r"irregular frequencies \(\d of them, .* to 6\.6 rad/s\), which a lid")
     refused(told(radiation_damping=-damping), match=r"is the sign the other one\?")
     lopsided = damping.copy()
-    lopsided[3, 0, 2] += np.sqrt(damping[:, 0, 0].max() * damping[:, 2, 2].max())
+    lopsided[10, 0, 2] += np.sqrt(damping[:, 0, 0].max() * damping[:, 2, 2].max())
     refused(
         told(radiation_damping=lopsided),
         match=rf"not symmetric: .* in another order or unit, or are there irregular frequencies \({at:.4g} rad/s\)",
