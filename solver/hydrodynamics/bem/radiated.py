@@ -7,7 +7,7 @@ the waves, v their group velocity: a body of revolution in all waves, any other 
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import SupportsIndex
+from typing import NamedTuple, SupportsIndex
 
 import numpy as np
 from scipy.special import j0
@@ -92,52 +92,76 @@ def resistance(six: Given, floats: Floats) -> np.ndarray:
     return np.asarray(six.omega[:, None] * (mass + np.maximum(A, 0.0)))
 
 
+class _Way(NamedTuple):
+    """A motion of a body that sends out waves of one kind."""
+
+    name: str
+    columns: np.ndarray  # (nc,) of which it has
+    axis: np.ndarray  # (nc,) so much
+    pushed: np.ndarray  # (nw, ...) the force on it
+    share: int  # k|X|²/(ρgv) over the damping that radiates it
+    heavy: np.ndarray  # (nw,) M + A
+    alone: np.ndarray  # (nw,) where it sends out little of the other kind
+
+
 def require_energy(six: Given, floats: Floats, needed: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Refuse a damping of motions `needed` that does not go with the wave force; of several bodies, in long waves.
 
-    Of motions that hardly radiate what is off and by how much (nw, 6 nb, 6 nb), as the force has it.
+    Of motions that hardly radiate: in words what does not, and the damping (nw, 6 nb, 6 nb) that lacks to what would.
+    """
+    sea, hulls = floats.sea, floats.hulls
+    k, notes, lacks = sea.wavenumbers(six.omega), [], np.zeros(six.radiation_damping.shape)
+    round_one = len(hulls) == 1 and isinstance(hulls[0], Revolution)
+    some = np.ones(len(k), bool) if round_one else long_waves(k * max(h.largest_radius for h in hulls))
+    each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
+    for way in (way for b in range(len(hulls)) for way in _ways(six, floats, b)):
+        block = (slice(None), way.columns[:, None], way.columns)
+        damping = way.axis @ six.radiation_damping[block] @ way.axis
+        told = each * np.sum(np.abs(way.pushed) ** 2, axis=1) / way.share
+        beside = six.omega * way.heavy
+        judged = some & way.alone & (damping > DAMPED * np.max(damping[some], initial=0.0))
+        radiating = judged & (np.maximum(damping, told) > DAMPED * COUNTED * beside)
+        rows = radiating if radiating.any() else judged
+        if not np.isin(way.columns, needed).all() or not rows.any():
+            continue
+        ratio = float(np.median(damping[rows] / np.maximum(told, 1e-300)[rows]))
+        if 1 / ENERGY < ratio < ENERGY:
+            continue
+        text = f"damping {way.name} is {ratio:.3g} times what the wave force tells of the power radiated"
+        if radiating.any():
+            raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
+        missed = np.where(some & way.alone, told - damping, 0.0)
+        w = int(np.argmax(np.abs(missed) / beside))
+        notes.append(f"{text}, by {abs(missed[w]) / beside[w]:.1g} of its ω(M + A) at {six.omega[w]:.4g} rad/s")
+        lacks[block] += np.multiply.outer(missed, np.outer(way.axis, way.axis))
+    return notes, lacks
+
+
+def _ways(six: Given, floats: Floats, b: int) -> tuple[_Way, _Way]:
+    """Heave and the motion along the waves of a body.
 
     Not where heave sends out much as a dipole and motions along the waves as a source, as of a plate that leans.
     Dipoles D of motions along x and y, symmetric, make X = De along e, and B of D² whatever the hull's own axes are.
     """
-    sea, hulls = floats.sea, floats.hulls
-    k, B, X = sea.wavenumbers(six.omega), six.radiation_damping, six.excitation[:, 0]
-    round_one = len(hulls) == 1 and isinstance(hulls[0], Revolution)
-    some = np.ones(len(k), bool) if round_one else long_waves(k * max(h.largest_radius for h in hulls))
-    each = k / (sea.density * sea.gravity * group_velocity(six.omega, sea.depth, sea.gravity))
+    sea, hull, name, x = floats.sea, floats.hulls[b], floats.names[b], 6 * b
+    k, X = sea.wavenumbers(six.omega), six.excitation[:, 0]
     e = np.array([np.cos(sea.heading), np.sin(sea.heading)])
-    notes, lacks = [], np.zeros(B.shape)
-    for b, (name, hull) in enumerate(zip(floats.names, hulls, strict=True)):
-        x = 6 * b
-        A, displaced = six.added_mass[:, x : x + 3, x : x + 3], sea.density * hull.volume
-        across, along = np.linalg.norm(A[:, 2, :2], axis=1), displaced + e @ A[:, :2, :2] @ e
-        source = np.abs(sea.density * hull.waterplane[0] - k * (displaced + A[:, 2, 2]))
-        upright = {"in heave": k * across < LEANS * source, "along the waves": across < LEANS * along}
-        level = [x + i for i in (0, 1) if abs(e[i]) > ALONG]
-        tries = {
-            "in heave": ([x + 2], np.ones(1), X[:, x + 2 : x + 3], displaced + A[:, 2, 2], 4),
-            "along the waves": (level, e[np.abs(e) > ALONG], X[:, x : x + 2], along, 8),
-        }
-        for way, (motions, axis, pushed, heavy, share) in tries.items():
-            damping = axis @ B[:, np.array(motions)[:, None], motions] @ axis
-            told = each * np.sum(np.abs(pushed) ** 2, axis=1) / share
-            there = some & upright[way]
-            judged = there & (damping > DAMPED * np.max(damping[some], initial=0.0))
-            radiating = judged & (np.maximum(damping, told) > DAMPED * COUNTED * six.omega * heavy)
-            rows = radiating if radiating.any() else judged
-            if not np.isin(motions, needed).all() or not rows.any():
-                continue
-            ratio = float(np.median((damping / np.maximum(told, 1e-300))[rows]))
-            if 1 / ENERGY < ratio < ENERGY:
-                continue
-            text = f"damping {way} of {name} is {ratio:.3g} times what the wave force tells of the power radiated"
-            if radiating.any():
-                raise InputError(KEY, six.name, f"{text}: one of both has other units, or is not of this body")
-            missed = np.where(there, told - damping, 0.0)
-            off = np.abs(missed) / (six.omega * heavy)
-            notes.append(f"{text}, by {off.max():.1g} of its ω(M + A) at {six.omega[off.argmax()]:.4g} rad/s")
-            lacks[:, np.array(motions)[:, None], motions] += np.multiply.outer(missed, np.outer(axis, axis))
-    return notes, lacks
+    A, displaced = six.added_mass[:, x : x + 3, x : x + 3], sea.density * hull.volume
+    across, along, heave = np.linalg.norm(A[:, 2, :2], axis=1), displaced + e @ A[:, :2, :2] @ e, displaced + A[:, 2, 2]
+    source = np.abs(sea.density * hull.waterplane[0] - k * heave)
+    level = np.flatnonzero(np.abs(e) > ALONG)
+    return (
+        _Way(
+            f"in heave of {name}",
+            np.array([x + 2]),
+            np.ones(1),
+            X[:, x + 2 : x + 3],
+            4,
+            heave,
+            k * across < LEANS * source,
+        ),
+        _Way(f"along the waves of {name}", x + level, e[level], X[:, x : x + 2], 8, along, across < LEANS * along),
+    )
 
 
 def require_together(six: Given, floats: Floats, needed: np.ndarray) -> None:
