@@ -72,15 +72,23 @@ def _rough(six: Given, floats: Floats, moved: np.ndarray) -> list[str]:
         gap = np.abs(_over(B - np.swapaxes(B, 1, 2), root))
         w, i, j = np.unravel_index(gap.argmax(), gap.shape)
         text = f"damping of {words[i]} on {words[j]} and the other way differ by {gap[w, i, j]:.2g} of their ω(M + A)"
-        notes.append(f"{text} at {six.omega[w]:.4g} rad/s")
+        notes.append(f"{text} at {six.omega[w]:.4g} rad/s{_sloshing(six, floats, w)}")
     if (_values(B, size).min(axis=1) < -ACTIVE).any():
         value, vector = np.linalg.eigh(_over(symmetric(B), root))
         w = int(value[:, 0].argmin())
-        text = (
-            f"damping, mostly of {words[int(np.abs(vector[w, :, 0]).argmax())]}, is negative by {-value[w, 0]:.2g} of"
-        )
-        notes.append(f"{text} its ω(M + A) at {six.omega[w]:.4g} rad/s, for which it is taken as none")
+        most, at = words[int(np.abs(vector[w, :, 0]).argmax())], f"at {six.omega[w]:.4g} rad/s"
+        text = f"damping, mostly of {most}, is negative by {-value[w, 0]:.2g} of its ω(M + A) {at}"
+        notes.append(f"{text}{_sloshing(six, floats, w)}, and taken as none")
     return notes
+
+
+def _sloshing(six: Given, floats: Floats, w: int) -> str:
+    return ", maybe an irregular frequency" if _sloshes(six.omega[w], floats) else ""
+
+
+def _sloshes(omega: float, floats: Floats) -> bool:
+    """Whether water inside a hull may, at irregular frequencies."""
+    return omega**2 * max(hull.largest_radius for hull in floats.hulls) >= SLOSHING * floats.sea.gravity
 
 
 def _damping(six: Given, moved: np.ndarray) -> np.ndarray:
@@ -118,7 +126,7 @@ def _active(six: Given, floats: Floats, moved: np.ndarray, size: np.ndarray) -> 
         return []
     most = word(floats.names, moved[int(np.abs(vector[w, :, 0]).argmax())])
     text = f"damping is negative at {six.omega[w]:.4g} rad/s, mostly of {most}, by {-value[w, 0]:.0%} of its"
-    text += " largest; is the sign the other one"
+    text += f" largest or, where that is more, of {COUNTED:g} ω(M + A); is the sign the other one"
     return [f"{text}{_irregular(six, floats, moved, value[:, 0] < -ACTIVE)}?"]
 
 
@@ -128,7 +136,6 @@ def _irregular(six: Given, floats: Floats, moved: np.ndarray, wrong: np.ndarray)
     if len(at) > FEW * len(six.omega) and not at[0] > six.omega[np.abs(damping).max(axis=1).argmax()]:
         return ""
     span = f"{at[0]:.4g}" if len(at) == 1 else f"{len(at)} of them, {at[0]:.4g} to {at[-1]:.4g}"
-    widest = max(hull.largest_radius for hull in floats.hulls)
-    if at[-1] ** 2 * widest < SLOSHING * floats.sea.gravity:
+    if not _sloshes(at[-1], floats):
         return f", or are thin parts, as a heave plate, in too few panels ({span} rad/s)"
     return f", or are there irregular frequencies ({span} rad/s), which a lid inside the hull takes away"
