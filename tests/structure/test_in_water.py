@@ -30,7 +30,7 @@ def scene(E=2.1e11, mass=12e3, push=0.0, method="time", **changes):
         masses=(PointMass(node="top", mass=mass),),
         loads=(PointLoad(node="top", force=(push, 0.0, 0.0)),),
     )
-    settings = Settings(duration=100.0, discard=50.0, ramp=20.0, method=method, froude_krylov="linear")
+    settings = Settings(duration=102.0, discard=50.0, ramp=20.0, method=method, froude_krylov="linear")
     platform = Platform(frame=frame, legs=("pile",), **changes)
     return Scene(water=SEA, sea=regular(height=0.5, period=6.0), floats=(), platform=platform, settings=settings)
 

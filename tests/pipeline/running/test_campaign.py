@@ -1049,7 +1049,7 @@ def test_plan_tells_of_a_band_that_seas_could_share(small, cli, monkeypatch):
 
 def test_plan_tells_states_and_time_from_past_runs(small, cli, monkeypatch):
     monkeypatch.setattr("pipeline.cli.plan.bem_pace", lambda: 60.0)
-    assert "after 1 boundary element solutions, about 32 s; " in cli("plan", "--workers", "2")
+    assert "after 1 boundary element solutions, about 18 s; " in cli("plan", "--workers", "2")
     monkeypatch.setattr("pipeline.cli.plan.bem_pace", lambda: 1.0)
     told = cli("plan", "--workers", "1")  # twelve records of 3,700 s; a geometry with one float
     assert "to run: 12 tasks after 1 boundary element solutions, about 1 s; about 16 s on 1 workers, at 3600 " in told
