@@ -217,10 +217,12 @@ class System:
 
     @property
     def shaken(self) -> bool:
-        """Whether accelerations are asked for of a frame with loads that are not linear: its own drag, or of floats."""
-        laws = bool(self.bent.size) or bool(of_axes.drag(self.bodies.law).any())
-        bent = laws or bool(self.bodies.nonlinear.any()) or bool(self.structure.drag.any())
-        return "accelerations" in self.scene.settings.outputs and bent
+        """Whether accelerations are asked for of a frame with floats whose loads are not linear, or drag in one wave:
+        each of its harmonics may meet a shape; in a sea they are spread, and next to nothing as fast.
+        """
+        bent = bool(self.bent.size) or bool(of_axes.drag(self.bodies.law).any()) or bool(self.bodies.nonlinear.any())
+        chimes = bool(self.structure.drag.any()) and np.count_nonzero(self.scene.sea.amplitude) == 1
+        return "accelerations" in self.scene.settings.outputs and (bent or chimes)
 
     @property
     def bent(self) -> np.ndarray:
