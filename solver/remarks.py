@@ -124,9 +124,9 @@ def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -
                 )
 
 
-def drag_driven(factor: float, shaken: float) -> Iterator[str]:
-    """Sentences where drag makes a frame's extremes exceed Gaussian ones by a factor, and by what is not linear of it
-    shakes nodes with a share of their accelerations.
+def drag_driven(factor: float, shaken: float, wear: float) -> Iterator[str]:
+    """Sentences where drag makes extremes of a frame exceed Gaussian ones by a factor, where what is not linear of it
+    makes a share of a motion, and where it does a factor of the damage that Gaussian ranges do.
     """
     if factor > STEEP:
         yield (
@@ -135,8 +135,13 @@ def drag_driven(factor: float, shaken: float) -> Iterator[str]:
         )
     if shaken > 0.5:
         yield (
-            f"platform: {shaken:.0%} of the variance of a node's acceleration is by what is not linear of drag, which"
-            " comes in bursts: expect the largest up to twice those that max and min are of"
+            f"platform: {shaken:.0%} of the variance of a displacement or acceleration is by what is not linear of drag"
+            " and comes in bursts: expect the largest up to twice those that max and min are of"
+        )
+    if wear > STEEP:
+        yield (
+            "platform: ranges of stress that drag drives are not Gaussian: expect, within a factor of 2,"
+            f" {wear:.2g} times the damage told"
         )
 
 

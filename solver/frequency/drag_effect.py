@@ -5,21 +5,22 @@ Without one g is |z|z/√(8/π), V is 3π/8, and drag is far from Gaussian: ⟨g
 g tends to z and a little that is even, which makes extremes of one sense larger. Where drag makes a part S of a stress
 by bending, and all else a Gaussian rest s, that stress is
 
-    S g(z)/√V + s ξ,   of one wave what g(√2 cos)/√2 makes of its part, and what else there is;
+    S g(z)/√V + s ξ;
 
 of a frame that swings among the waves S is what is as far from Gaussian, and belongs to the rest else: see _followed.
 
-Its higher orders are lines of the case (see beyond), but for those of one wave, at two and three times its frequency.
-They go with how fast the water is, and so does what damps them, which lines do not know: see UNSURE.
+Its higher orders are lines of the case (see beyond), or harmonics of one wave (see ringing). In a sea they go with how
+fast the water is, and so does what damps them, which lines do not know: see UNSURE.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from solver.frequency import gaussian
 from solver.frequency.case import Case
+from solver.frequency.outputs import OfPlatform
 from solver.frequency.response import Response
 from solver.frequency.stations import Stations
 from solver.statistics import FAINT, STATISTICS
@@ -34,7 +35,7 @@ XI = np.linspace(-5.0, 5.0, 61)  # evenly, for what is smooth but for a corner
 OF_XI = np.exp(-0.5 * XI**2) / np.exp(-0.5 * XI**2).sum()
 WEIGHT = np.outer(OF_Z, OF_XI).ravel()
 LEAST = 1e-3  # of how far odd orders go: a fifth of a mode's part by drag counts as that at least
-COS = np.cos(gaussian.PHASE)
+SLOPE = 5  # of damage by stress, as that of many small ranges
 
 
 class Effect(NamedTuple):
@@ -42,7 +43,8 @@ class Effect(NamedTuple):
 
     error: float  # of any mean, rms or std, relative
     extremes: float  # factor by which the largest are to be expected beyond those told
-    shaken: float = 0.0  # share of orders above the linear one in the nodes' accelerations, of their variance
+    shaken: float = 0.0  # share of orders above the linear one in tops' displacements or nodes' accelerations, squared
+    wear: float = 1.0  # factor by which more damage is to be expected at the feet than that told
 
 
 class _Law(NamedTuple):
@@ -61,10 +63,9 @@ class _Law(NamedTuple):
     @classmethod
     def of(cls, stations: Stations, rate: np.ndarray, mode: int, Q: np.ndarray) -> "_Law":
         """At modal rates (nm, nw), of lines Q (nw,) of a mode's force."""
-        z, weight = (np.sqrt(2) * COS, np.full(COS.size, 1 / COS.size)) if len(Q) == 1 else (Z, OF_Z)
         if stations.stream is None:
             none = np.zeros((0, 0))
-            return cls(none, none, none, 0.0, float(weight @ np.abs(z) ** 3))
+            return cls(none, none, none, 0.0, float(OF_Z @ np.abs(Z) ** 3))
         flow, frame = stations.flow(rate), stations.frame
         along = 0.5 * flow @ Q.view(float) / gaussian.spread(Q[:, None])
         size = np.linalg.norm(along, axis=0)
@@ -72,8 +73,8 @@ class _Law(NamedTuple):
         std = np.sqrt(0.5 * np.sum(np.einsum("ds,dsw->sw", e, flow) ** 2, axis=1))
         share = frame.drag * np.divide(size, std, out=np.zeros(size.shape), where=std > 0)
         g = cls(stations.stream.T, (std * e).T, (share * frame.station[mode]).T, 0.0, 1.0)
-        force = g(z)
-        return g._replace(mean=float(weight @ force), slope=float(weight @ (force * z)))
+        force = g(Z)
+        return g._replace(mean=float(OF_Z @ force), slope=float(OF_Z @ (force * Z)))
 
     def drag(self, z: np.ndarray) -> np.ndarray:
         """|u|u (…, ns, nd) of the flows."""
@@ -97,10 +98,8 @@ class _Law(NamedTuple):
         return float(OF_Z @ self(Z) ** 2)
 
 
-def drag_effect(
-    case: Case, response: Response, level: np.ndarray, lines: np.ndarray, told: Mapping[str, np.ndarray]
-) -> Effect:
-    """level (1, ny) and lines (nl, ny): of the frame's forces; told: statistics of tops and feet."""
+def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapping[str, np.ndarray]) -> Effect:
+    """platform: with all that rings; told: statistics of tops and feet."""
     channels, support, waves = case.channels, case.system.support, case.waves.size
     if support is None or channels.legs is None or not case.stations.size:
         return Effect(0.0, 1.0)
@@ -109,62 +108,38 @@ def drag_effect(
     std = of_tops[:, STATISTICS.index("std")]
     moved = std > FAINT * std.max()
     tops, of_tops, std = tops[:, moved], of_tops[moved], std[moved]
-    p = _gain(case, case.waves) * push
+    own, at = case.system.structure.omega, case.waves[:, None]
+    p = push / (own**2 - 2j * case.system.structure.damping * own * at - at**2)
     driven = p @ tops
     if not driven.any():
         return Effect(0.0, 1.0)
+    shaken = _beyond_waves(platform.X @ tops, waves)
+    error = UNSURE * shaken
+    if waves == 1:
+        return Effect(error, 1.0)
+    if channels.nodes:
+        nodes = support.node_shapes.reshape(nm, -1)
+        of_nodes = _beyond_waves(platform.process.omega[:, None] ** 2 * platform.X @ nodes, waves)
+        error, shaken = UNSURE * max(shaken, of_nodes), max(shaken, of_nodes)
+    if not np.any(gaussian.spread(driven) ** 2 > LITTLE * std**2):
+        return Effect(error, 1.0, shaken)
     top = int(np.argmax(gaussian.spread(driven)))
     m = int(np.argmax(np.abs(tops[:, top]) * np.linalg.norm(p, axis=0)))
     Q = push[:, m]
     g = _Law.of(case.stations, (-1j * case.waves[:, None] * response.X[:waves, :nm]).T, m, Q)
     whole, mean = response.X[:, :nm] @ tops, of_tops[:, STATISTICS.index("mean")]
-    error, shaken = UNSURE * _beyond_waves(whole, waves), 0.0
-    if channels.nodes:
-        nodes = support.node_shapes.reshape(nm, -1)
-        shaken = _beyond_waves(response.omega[:, None] ** 2 * response.X[:, :nm] @ nodes, waves)
-        error = max(error, UNSURE * shaken)
-    if waves == 1:
-        at, modes = _overtones(case, g, response, push[0], Q[0])
-        higher = modes @ tops
-        error = _lacking(of_tops, higher)
-        if channels.nodes:
-            error = max(error, _lacking(told["node_acceleration"].reshape(-1, len(STATISTICS)), at**2 * modes @ nodes))
-        extremes, kept = _of_overtones(mean, np.concatenate([whole, higher])), 1.0
-    elif not np.any(gaussian.spread(driven) ** 2 > LITTLE * std**2):
-        return Effect(error, 1.0, shaken)
-    else:
-        D, T, drag = p[:, m], response.X[:waves, m], response.damping[m, m]
-        odd, even = _followed(case, m, 0.0, D, D, Q, 3), _followed(case, m, drag, T, D, Q, 2)
-        kept = max(odd, LEAST) ** 0.25
-        g = g._replace(even=float(np.clip(even / kept**3, -1 / kept, 1 / kept)))
-        extremes = _beyond_rayleigh(g, kept * driven, Q, std, mean, gaussian.peak(whole, case.process))
+    D, T, drag = p[:, m], response.X[:waves, m], response.damping[m, m]
+    odd, even = _followed(case, m, 0.0, D, D, Q, 3), _followed(case, m, drag, T, D, Q, 2)
+    kept, wear = max(odd, LEAST) ** 0.25, 1.0
+    g = g._replace(even=float(np.clip(even / kept**3, -1 / kept, 1 / kept)))
+    extremes = _beyond_rayleigh(g, kept * driven, Q, std, mean, gaussian.peak(whole, case.process))
     if channels.steel is not None:
         first = channels.legs.first
-        level, lines = (channels.steel.compression(y)[:, first] for y in (level, lines))
+        level, lines = (channels.steel.compression(y)[:, first] for y in platform.frame)
         part = kept * channels.steel.compression(_forces_by_drag(case, response, p))[:, first]
-        changes = _of_one(g, level[0], lines[0], part[0], Q) if waves == 1 else _of_sea(g, level[0], lines, part, Q)
-        error = max(error, _apart(told["bottom_stress"][first], *changes))
-    return Effect(error, extremes, shaken)
-
-
-def _gain(case: Case, at: np.ndarray, besides: np.ndarray | float = 0.0) -> np.ndarray:
-    """Of the frame's modes to forces at frequencies (nw,), (nw, nm), with damping (nm,) besides their own."""
-    own, ratio, at = case.system.structure.omega, case.system.structure.damping, at[:, None]
-    return np.asarray(1 / (own**2 - 1j * (2 * ratio * own + besides) * at - at**2))
-
-
-def _overtones(case: Case, g: _Law, response: Response, push: np.ndarray, Q: complex) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies (2, 1) and lines of the modes (2, nm) at two and three times that of one wave, where drag on them is
-    push (nm,).
-    """
-    frame, z, turn = case.system.structure, np.sqrt(2) * COS, np.exp(1j * np.angle(Q))
-    even = np.zeros((z.size, push.size))
-    if g.push.size:
-        even = np.einsum("zsd,mds,s->zm", 0.5 * (g.drag(z) + g.drag(-z)), frame.station, frame.drag)
-    second = 2 * np.mean(even * np.cos(2 * gaussian.PHASE)[:, None], axis=0) * turn**2
-    third = np.sqrt(2) * np.mean(g(z) * np.cos(3 * gaussian.PHASE)) * turn**2 * push
-    at = case.waves[0] * np.arange(2, 4)
-    return at[:, None], _gain(case, at, np.diag(response.damping)[: push.size]) * np.array([second, third])
+        bending = _Bending.of(g, level[0], lines, part, Q)
+        error, wear = max(error, _apart(told["bottom_stress"][first], *bending.lacks(g))), bending.wear(g)
+    return Effect(error, extremes, shaken, wear)
 
 
 def _beyond_waves(lines: np.ndarray, waves: int) -> float:
@@ -172,13 +147,6 @@ def _beyond_waves(lines: np.ndarray, waves: int) -> float:
     above, whole = (np.sum(np.abs(x) ** 2, axis=0) for x in (lines[waves:], lines))
     felt = whole > FAINT**2 * whole.max()
     return float(np.max(above[felt] / whole[felt], initial=0.0))
-
-
-def _lacking(told: np.ndarray, more: np.ndarray) -> float:
-    """Largest relative error of a std, of statistics (n, 5) that lack lines (nl, n)."""
-    std = told[:, STATISTICS.index("std")]
-    felt = std > FAINT * std.max()
-    return float(np.max(np.hypot(1, gaussian.spread(more)[felt] / std[felt]) - 1))
 
 
 def _followed(case: Case, m: int, damping: float, T: np.ndarray, D: np.ndarray, Q: np.ndarray, order: int) -> float:
@@ -198,13 +166,6 @@ def _followed(case: Case, m: int, damping: float, T: np.ndarray, D: np.ndarray, 
     at, own = step * np.arange(terms.size), structure.omega[m]
     gain = 1 / (own**2 - 1j * (2 * own * structure.damping[m] + damping) * at - at**2)
     return float(np.clip(sigma * np.sum(terms * gain).real / S ** (order + 1), -1.0, 1.0))
-
-
-def _of_overtones(mean: np.ndarray, lines: np.ndarray) -> float:
-    """Factor for the largest of one wave's first, second and third harmonics (3, n) about means (n,)."""
-    turn = np.exp(-1j * np.outer(gaussian.PHASE, [1, 2, 3]))
-    before, after = (np.abs(mean + (turn[:, :n] @ lines[:n]).real).max(axis=0) for n in (1, 3))
-    return float(np.max(after / before, initial=1.0))
 
 
 def _beyond_rayleigh(
@@ -242,41 +203,48 @@ def _sense(lines: np.ndarray, Q: np.ndarray) -> np.ndarray:
     return np.where(np.tensordot(Q.conj(), lines, axes=1).real < 0, -1.0, 1.0)
 
 
-def _of_one(
-    g: _Law, mean: np.ndarray, whole: np.ndarray, part: np.ndarray, Q: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """What mean and variance of one wave's compression lack, of means and lines (n, 3), by the drag's part."""
-    cos, size = gaussian.one_period(np.exp(1j * np.angle(part)).reshape(1, -1)), np.abs(part).ravel()
-    usual, sense = mean.ravel() + gaussian.one_period(whole.reshape(1, -1)), _sense(part.reshape(1, -1), Q)
-    both = (usual, usual + size * (sense * g(sense * np.sqrt(2) * cos) / np.sqrt(2) - cos))
-    before, after = (x[:, :, 0] - np.hypot(x[:, :, 1], x[:, :, 2]) for x in (y.reshape(-1, *mean.shape) for y in both))
-    return after.mean(axis=0) - before.mean(axis=0), after.var(axis=0) - before.var(axis=0)
+class _Bending(NamedTuple):
+    """Of legs (n,), along the line in which drag bends each most; across it as large as in the mean square."""
 
+    mean: np.ndarray
+    other: np.ndarray  # rms of what lies across
+    driven: np.ndarray  # std of the drag's part,
+    rest: np.ndarray  # and of all else
+    sense: np.ndarray  # see _sense
 
-def _of_sea(
-    g: _Law, mean: np.ndarray, whole: np.ndarray, part: np.ndarray, Q: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """The same of means (n, 3) and lines (nw, n, 3), by bending along the line in which drag bends a leg most.
+    @classmethod
+    def of(cls, g: _Law, mean: np.ndarray, whole: np.ndarray, part: np.ndarray, Q: np.ndarray) -> "_Bending":
+        """Of means (n, 3) and lines (nl, n, 3), of the drag's part those of the waves (nw, n, 3)."""
+        of_whole, of_part = _second(whole), _second(part)
+        angle = 0.5 * np.arctan2(2 * of_part[2], of_part[0] - of_part[1])
+        cos, sin = np.cos(angle), np.sin(angle)
 
-    What lies across it is as large as it is in the mean square.
-    """
-    of_whole, of_part = _second(whole), _second(part)
-    angle = 0.5 * np.arctan2(2 * of_part[2], of_part[0] - of_part[1])
-    cos, sin = np.cos(angle), np.sin(angle)
+        def along(moments: np.ndarray) -> np.ndarray:
+            return cos**2 * moments[0] + sin**2 * moments[1] + 2 * sin * cos * moments[2]
 
-    def along(moments: np.ndarray) -> np.ndarray:
-        return cos**2 * moments[0] + sin**2 * moments[1] + 2 * sin * cos * moments[2]
+        mean = np.array([cos * mean[:, 1] + sin * mean[:, 2], cos * mean[:, 2] - sin * mean[:, 1]])
+        variance = along(of_whole)
+        driven = np.minimum(np.sqrt(g.variance * along(of_part)), np.sqrt(variance))
+        other = np.sqrt(mean[1] ** 2 + (of_whole[0] + of_whole[1] - variance).clip(min=0.0))
+        sense = _sense(cos * part[..., 1] + sin * part[..., 2], Q)
+        return cls(mean[0], other, driven, np.sqrt((variance - driven**2).clip(min=0.0)), sense)
 
-    mean = np.array([cos * mean[:, 1] + sin * mean[:, 2], cos * mean[:, 2] - sin * mean[:, 1]])
-    variance, sense = along(of_whole), _sense(cos * part[..., 1] + sin * part[..., 2], Q)
-    std, other = np.sqrt(variance), np.sqrt(mean[1] ** 2 + (of_whole[0] + of_whole[1] - variance).clip(min=0.0))
-    driven = np.minimum(np.sqrt(g.variance * along(of_part)), std)
-    z, rest = Z[:, None, None] * np.ones(std.size), np.sqrt(std**2 - driven**2) * XI[:, None]
-    before, after = (
-        np.hypot(mean[0] + driven * x + rest, other).reshape(-1, std.size) for x in (z, g.turned(sense, z))
-    )
-    less = WEIGHT @ (after - before)
-    return -less, WEIGHT @ (after**2 - before**2) - (WEIGHT @ after) ** 2 + (WEIGHT @ before) ** 2
+    def lacks(self, g: _Law) -> tuple[np.ndarray, np.ndarray]:
+        """What mean and variance of the compression lack."""
+        before, after = (np.hypot(self.mean + x, self.other) for x in self._varies(g))
+        less = WEIGHT @ (after - before)
+        return -less, WEIGHT @ (after**2 - before**2) - (WEIGHT @ after) ** 2 + (WEIGHT @ before) ** 2
+
+    def wear(self, g: _Law) -> float:
+        """Factor for damage that goes by ranges to the power SLOPE."""
+        before, after = (WEIGHT @ np.abs(x) ** SLOPE for x in self._varies(g))
+        return float(np.max(np.divide(after, before, out=np.ones(before.shape), where=before > 0)))
+
+    def _varies(self, g: _Law) -> Iterator[np.ndarray]:
+        """Of Gaussian drag, and of drag as it is (nq, n)."""
+        z = Z[:, None, None] * np.ones(self.driven.size)
+        for x in (z, g.turned(self.sense, z)):
+            yield (self.driven * x + self.rest * XI[:, None]).reshape(-1, self.driven.size)
 
 
 def _second(lines: np.ndarray) -> np.ndarray:

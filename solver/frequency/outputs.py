@@ -83,13 +83,13 @@ def _of_law(case: Case, axes: np.ndarray) -> np.ndarray:
 
 def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], tables: dict[str, np.ndarray]) -> None:
     """By the whole law what axes bear that it bends, in place: `pto_force`, and along those of a float on fixed ground
-    its `hinge_force`, in one wave with all that goes by rate: a Gaussian rate would give quadratic damping too much.
+    its `hinge_force`, with all that goes by rate.
 
     Axes that friction holds bear what the linear model says.
     """
     scene, channels, rates = case.system.scene, case.channels, rate_lines(case, response)
-    nc, one = case.system.structure.carrier.shape[0], len(rates) == 1
-    by_rate = response.bends | (one & (drag(law)[nc:] > 0))
+    nc = case.system.structure.carrier.shape[0]
+    by_rate = response.bends | (drag(law)[nc:] > 0)
     if not by_rate.any():
         return
     owner, of_lines = channels.owner, {name: lines for name, _, lines in linear}
@@ -98,7 +98,7 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
     along = moved & fixed & slides & by_rate
     for name, which, of, order in (
         ("pto_force", moved & response.bends, pto_load, channels.axes),
-        ("hinge_force", along, rate_load if one else pto_load, DOFS),
+        ("hinge_force", along, rate_load, DOFS),
     ):
         axes = np.flatnonzero(which)
         if name in tables and axes.size:

@@ -1,5 +1,7 @@
 """What linear damping leaves of loads that bend, on an elastic platform: lines of their own, that no wave makes.
 
+And, in one wave, the harmonics of the members' drag; in a sea these are lines of the case (see beyond).
+
 Loads that jump or are cut off, or go with the rate's square, have parts above the waves' frequencies, too, by which
 frames swing on their own. Of Gaussian rates v with correlations ρ(τ), f = Σ cₖ Heₖ(v/σ)/√k!, what is left is k ≥ 3:
 
@@ -34,33 +36,39 @@ EVEN, EACH = 120, 24  # frequencies up to there, by their logarithms, and more o
 OFTEN = 16  # samples of the fastest's period
 PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
-HARMONICS = np.arange(3, gaussian.PHASES // 4, 2)
+HARMONICS = np.arange(2, gaussian.PHASES // 4)
+BY_DRAG = np.arange(2, 13)  # in a current even ones, too; of those above accelerations have a hundredth
 
 
 def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlatform:
     """What a response moves a platform by, and the frame's forces, with such lines where loads bend."""
-    (nc, nm), of, model = case.system.structure.carrier.shape, case.process, case.model
-    waves, rates = OfPlatform(of, response.X[:, :nm], frame), rate_lines(case, response)
-    bends = (response.bends | (drag(law)[nc:] > 0)) & ~response.stuck & rates.any(axis=0)
-    if nm == 0 or not bends.any():
+    (nc, nm), of, model, support = case.system.structure.carrier.shape, case.process, case.model, case.system.support
+    waves, rates, one = OfPlatform(of, response.X[:, :nm], frame), rate_lines(case, response), case.omega.size == 1
+    axes = np.flatnonzero((response.bends | (drag(law)[nc:] > 0)) & ~response.stuck & rates.any(axis=0))
+    dragged = one and case.stations.size > 0
+    if nm == 0 or not (axes.size or dragged):
         return waves
-    axes = np.flatnonzero(bends)
     load, moved = rate_load(law, nc + axes), rates[:, axes]
-    if one := len(rates) == 1:
-        omega, force = _harmonics(response.omega, load, moved)
+    if one:
+        omega, force = _harmonics(response.omega, HARMONICS if axes.size else BY_DRAG, gaussian.one_period(moved), load)
         process = gaussian.Process(np.append(of.omega, omega), 2 * np.pi / of.omega[0], begin=0.0)
     else:
         omega, force = _spread(case, response, load, moved)
         process = gaussian.Process(np.append(of.omega, omega), of.duration, of.others + omega.size, of.begin)
     pushed = np.zeros((len(omega), len(model.mass)), complex)
     pushed[:, nm + axes] = -force
+    borne = np.zeros((len(omega), frame.lines.shape[1]), complex)
+    if dragged and support is not None:
+        of_drag = _of_drag(case, response, np.rint(omega / of.omega[0]))
+        pushed[:, :nm] = of_drag @ case.stations.shape.T
+        borne = support.forces.whole(of_drag @ support.forces.drag) if support.forces is not None else borne
     Y = case.impedance_at(omega)
     Z = model.dynamic_stiffness(omega, Y) - 1j * omega[:, None, None] * response.damping
     X = np.linalg.solve(Z, pushed[..., None])[..., 0]
     platform = OfPlatform(
         process,
         np.concatenate([waves.X, X[:, :nm]]),
-        frame._replace(lines=np.concatenate([frame.lines, _borne(case, omega, Y, X)])),
+        frame._replace(lines=np.concatenate([frame.lines, borne + _borne(case, omega, Y, X)])),
     )
     if one:
         return platform
@@ -91,10 +99,23 @@ def _extremes(
     return furthest
 
 
-def _harmonics(omega: np.ndarray, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """ω (ne,) and loads (ne, nj) of one wave's (1,)."""
-    turned = np.exp(1j * np.outer(HARMONICS, gaussian.PHASE)) * (2 / gaussian.PHASES)
-    return HARMONICS * omega, turned @ load(gaussian.one_period(rates))
+def _harmonics(
+    omega: np.ndarray, numbers: np.ndarray, of_period: np.ndarray, load: Load
+) -> tuple[np.ndarray, np.ndarray]:
+    """ω (ne,) and lines (ne, n) of a load that goes by what varies over one wave's period (PHASES, …)."""
+    turned = np.exp(1j * np.outer(numbers, gaussian.PHASE)) * (2 / gaussian.PHASES)
+    return numbers * omega, turned @ load(of_period)
+
+
+def _of_drag(case: Case, response: Response, numbers: np.ndarray) -> np.ndarray:
+    """Lines (ne, nd ns) [N] of |u|u of the water past the stations of a frame that moves with one wave."""
+    stations, frame = case.stations, case.system.structure
+    flow = stations.flow((-1j * response.omega[:, None] * response.X[:, : frame.omega.size]).T).view(complex)
+    u = gaussian.one_period(flow.reshape(1, -1)).reshape(-1, *stations.on)
+    if stations.stream is not None:
+        u = u + stations.stream
+    force = frame.drag * np.linalg.norm(u, axis=1, keepdims=True) * u
+    return _harmonics(response.omega, numbers, force.reshape(len(u), -1), lambda x: x)[1]
 
 
 def _spread(case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -72,7 +72,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
     drag = response.drag.tops[:waves], response.mean.drag.ravel()
     mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], *drag)
     elements = elements_effect(scene, hydrodynamics, support)
-    of_drag = drag_effect(case, response, *frame, tables)
+    of_drag = drag_effect(case, response, platform, tables)
     slipping = _stopped(case, law, response) if response.stuck.any() else []
     of_lines = lines_effect(case, law, response, tables["line_tension"]) if channels.lines else 0.0
     errors = {
@@ -107,7 +107,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *of_motions(scene, channels.axes, tables),
         *beyond,
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
-        *drag_driven(of_drag.extremes, of_drag.shaken),
+        *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear if "fatigue" in scene.settings.outputs else 1.0),
         *skewed(turning.extremes),
         *pulled(platform.extremes),
         *([NO_BALANCE] if turning.error == UNTOLD else []),

@@ -15,7 +15,7 @@ from solver.run import simulate
 from solver.scene import Platform, Settings
 from solver.sea.current import Current
 from solver.sea.realization import realize, regular
-from solver.sea.spectrum import PiersonMoskowitz
+from solver.sea.spectrum import Jonswap, PiersonMoskowitz
 from solver.structure.frame import Frame
 from solver.structure.members import Member, PointMass
 from solver.structure.sections import tube
@@ -107,16 +107,22 @@ def test_what_linear_drag_leaves_is_told(case):
         mean, rms, std = np.abs(lines - march)[:, 2:].T
         true = max(true, np.max(np.maximum(mean, rms) / march[:, 3]), np.max(std / march[:, 4]))
     told = both[1].attrs["drag_effect"]
-    assert 0.4 < told / true < 2.5, (told, true)
+    assert 0.4 < told / true < 2.5 or max(told, true) < 4e-3, (told, true)
     assert both[1].attrs["estimated_error"] >= told
 
 
-def test_three_times_a_waves_frequency_may_meet_a_resonance():
-    """That of the legs at 14.7 rad/s: their displacement, of which drag drives next to nothing else, within 2.5."""
-    both = records(legs, 5.0, regular(height=0.5, period=6 * np.pi / 14.66, heading=SLANTED))
-    march, lines = tables(both, "top_displacement")
-    true = np.max(np.abs(lines / march - 1)[:, 4])
-    assert true > 0.03 and 0.4 < both[1].attrs["drag_effect"] / true < 2.5
+@pytest.mark.parametrize("harmonic", [2, 3, 5])
+def test_a_waves_harmonic_may_meet_a_resonance(harmonic):
+    """That of the legs at 14.7 rad/s; the second in a current alone."""
+    both = records(legs_in_one, harmonic)
+    for name in JUDGED:
+        march, lines = tables(both, name)
+        assert lines[:, 2:] == approx(march[:, 2:], rel=0.03, abs=2e-3 * np.abs(march).max()), name
+
+
+def legs_in_one(harmonic):
+    item, h = legs(5.0, regular(height=0.5, period=harmonic * 2 * np.pi / 14.66, heading=SLANTED))
+    return replace(item, current=Current(speed=0.5, direction=0.3)) if harmonic == 2 else item, h
 
 
 def shaken(waves, diameter=0.6, ratio=0.01):
@@ -150,18 +156,20 @@ def test_drag_shakes_nodes_above_the_waves_frequencies(of):
     assert found == approx(exact, rel=0.25)
 
 
-def test_one_waves_overtones_shake_nodes():
-    march, lines = shaken(ONE)
-    exact, found = (record.variables["node_acceleration"][1][-1, 0, 4] for record in (march, lines))
-    true = exact / found - 1
-    assert true > 0.5 and 0.33 < lines.attrs["drag_effect"] / true < 3
+@pytest.mark.parametrize("diameter", [0.6, 1.0])
+def test_one_waves_harmonics_are_those_of_the_march(diameter):
+    """Of accelerations, most of them above the wave; of stresses, displacements and damage, extremes as well."""
+    march, lines = shaken(ONE, diameter)
+    for name in ("node_acceleration", "top_displacement", "bottom_stress", "damage"):
+        exact, found = (record.variables[name][1] for record in (march, lines))
+        assert found == approx(exact, rel=0.08, abs=0.02 * np.nanmax(np.abs(exact))), name
+    assert lines.attrs["drag_effect"] < 0.03
 
 
 @pytest.mark.parametrize(
     "case",
     [
         (of_pile, rough(5.0)), (legs, 5.0), (floating, 50.0), (pile_in_current, 1.0, 3.0),
-        (legs, 5.0, regular(height=6.0, period=6 * np.pi / 14.66, heading=SLANTED)),
     ],
 )  # fmt: skip
 def test_extremes_that_drag_drives_are_told(case):
@@ -171,6 +179,15 @@ def test_extremes_that_drag_drives_are_told(case):
     march, lines = tables(both, "top_displacement")
     largest, of_lines = (np.abs(table[:, :2]).max(axis=1) for table in (march, lines))
     assert largest / of_lines == approx(factor, rel=0.2)
+
+
+def test_damage_in_swell_that_drag_drives_is_told():
+    """Of stresses far from Gaussian, several times that of their ranges; within a factor of 2."""
+    sea = {"components": 200, "band": (0.35, 0.9), "heading": SLANTED}
+    both = [shaken(realize(Jonswap(Hs=3.0, Tp=12.0, gamma=6.0), seed=seed, **sea)) for seed in (1, 2)]
+    march, told = (sum(records[n].variables["damage"][1].max() for records in both) for n in (0, 1))
+    factor = float(re.search("within a factor of 2, ([0-9.]+) times the damage", both[0][1].attrs["warnings"])[1])
+    assert march > 2 * told and 0.5 < factor / (march / told) < 2
 
 
 @pytest.mark.parametrize("case", [(legs, 1.0, rough(0.5)), (legs, 0.0), (floating, 1.0), (pile_in_current, 2.0, 0.8)])
@@ -198,7 +215,7 @@ def test_bending_by_drag_is_that_of_long_samples(mean, current):
     level = np.array([[5.0, *(np.array(mean) @ turn)]])
     size = [np.hypot(S * x + s * xi + mean[0], mean[1]) for x in (z, g / np.sqrt(V))]
     less, more = (a - b for a, b in zip(*[(x.mean(), x.var()) for x in size], strict=True))
-    found = drag_effect._of_sea(law, level, whole, part, lines[:, 0])
+    found = drag_effect._Bending.of(law, level, whole, part, lines[:, 0]).lacks(law)
     assert found[0] == approx(less, abs=4e-3) and found[1] == approx(-more, abs=0.03)
     assert gaussian.spread(whole[:, 0, 1:] @ turn.T) == approx([np.hypot(S, s), 0.0], abs=1e-9)
 
