@@ -8,7 +8,7 @@ import numpy as np
 from solver.coupled import linear_drag
 from solver.coupled.linear import LinearModel
 from solver.errors import SimulationFailed
-from solver.frequency import gaussian, overtones, shape
+from solver.frequency import gaussian, left, overtones, shape
 from solver.frequency.bent import pto_load, rate_load
 from solver.frequency.case import Case, case_of
 from solver.frequency.condensed import Condensed
@@ -220,9 +220,10 @@ def _excess(case: Case, law: JointLaw, last: _Round) -> np.ndarray:
 def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.ndarray) -> float:
     """Relative error of the response's std and power by what linear damping leaves of the joints' loads by rate.
 
-    That goes with no rate in the mean, moves the axis as a force of its own spectrum about the rate's, and adds to the
-    variance of the motions: so marches tell, and they agree within a factor of 3. See response_error. The same load
-    gives the rate its kurtosis, by which the std of power changes, too, in the same sense as a rule.
+    That goes with no rate in the mean, moves the axis as a force of the rate's spectrum about that and of its own below
+    the waves, and adds to the variance of the motions: so marches tell, and they agree within a factor of 3. See
+    response_error. The same load gives the rate its kurtosis, by which the std of power changes, too, in the same sense
+    as a rule.
     """
     nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
     if not (of_axes.drag(law).any() or last.bends.any()):
@@ -237,7 +238,10 @@ def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.nd
     force[nm:] = np.where(last.stuck, 0.0, share)[:, None] * rate
     size, more = (lengths(X)[:, None] for X in (last.X, case.equation.response(force, last.damping)))
     grown = np.hypot(1, np.divide(more, size, out=np.zeros(size.shape), where=size > 0))
-    moved = response_error(case.system, law, case.omega, (grown * last.X).T, last.X.T)
+    which = np.flatnonzero((rms[nc:] > 0) & (rest[nc:] > 0) & ~last.stuck)
+    slowly, slow = left.slow_motions(case, rate_load(law, nc + which), nm + which, rate[which].T, last.damping)
+    waves, both = np.pad(last.X, ((0, 0), (0, slowly.size))), np.concatenate([grown * last.X, slow], axis=1)
+    moved = response_error(case.system, law, np.append(case.omega, slowly), both.T, waves.T)
     return moved + shape.power_error(law, rms, np.concatenate([np.zeros(nc), excess]))
 
 

@@ -3,38 +3,24 @@
 And, in one wave, the harmonics of the members' drag; in a sea these are lines of the case (see beyond).
 
 Loads that jump or are cut off, or go with the rate's square, have parts above the waves' frequencies, too, by which
-frames swing on their own. Of Gaussian rates v with correlations ρ(τ), f = Σ cₖ Heₖ(v/σ)/√k!, what is left is k ≥ 3:
-
-    R(τ) = Σ cₖcₖ' ρ(τ)ᵏ = JJ' (2/π) (asin ρ - ρ) + Σ (cₖcₖ' - JJ'sₖsₖ') ρᵏ,
-
-with J sgn(v) the part of f that jumps, of which sₖ are the terms: its own series would end too late. That goes with no
-rate in the mean, and so adds to the waves' variance. Of one wave it is the harmonics of f.
+frames swing on their own: see left. That goes with no rate in the mean, and so adds to the waves' variance. Of one wave
+it is the harmonics of f.
 """
 
-from functools import lru_cache
-
 import numpy as np
-from numpy.polynomial.hermite_e import hermevander
-from scipy.fft import next_fast_len, rfft
 from scipy.linalg import eigh
-from scipy.special import factorial
 
-from solver.frequency import gaussian
+from solver.frequency import gaussian, left
 from solver.frequency.bent import Load, rate_load
 from solver.frequency.case import NARROW, Case
 from solver.frequency.outputs import Forces, OfPlatform, rate_lines
 from solver.frequency.response import Response
 from solver.frequency.shape import beyond_rayleigh
-from solver.keys import shared
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 
-ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
-GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std
 FASTEST = 40.0  # times the fastest wave's frequency, up to which modes are looked at
 EVEN, EACH = 120, 24  # frequencies up to there, by their logarithms, and more of them about each resonance
-OFTEN = 16  # samples of the fastest's period
-PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
 HARMONICS = np.arange(2, gaussian.PHASES // 4)
 BY_DRAG = np.arange(2, 13)  # in a current even ones, too; of those above accelerations have a hundredth
@@ -121,49 +107,10 @@ def _of_drag(case: Case, response: Response, numbers: np.ndarray) -> np.ndarray:
 def _spread(case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same of a sea's: at each frequency as many lines as loads, which go together as the loads do."""
     (at, width), nj = _nodes(case, response), rates.shape[1]
-    last = PERIODS * 2 * np.pi / case.waves.min()
-    count = int(np.ceil(OFTEN * at[-1] * last / (2 * np.pi)))
-    step = last / count
-    R = _left(load, rates, response.omega, step, count)
-    R *= (0.5 * step / np.pi * (1 + np.cos(np.pi * np.arange(count) / count)))[:, None]
-    R[0] /= 2
-    size = next_fast_len(2 * count, real=True)
-    place = at * size * step / (2 * np.pi)
-    seen, low = rfft(R, size, axis=0).conj(), place.astype(int)
-    half = seen[low] + (place - low)[:, None] * (seen[low + 1] - seen[low])
-    half = half.reshape(at.size, nj, nj)
-    square, pattern = np.linalg.eigh(half + half.conj().swapaxes(1, 2))
+    spectrum = left.spectrum(load, rates, response.omega, at, case.waves.min(), at[-1])
+    square, pattern = np.linalg.eigh(spectrum)
     lines = pattern * np.sqrt(2 * width[:, None] * square.clip(min=0.0))[:, None]
     return np.repeat(at, nj), lines.swapaxes(1, 2).reshape(-1, nj)
-
-
-def _left(load: Load, rates: np.ndarray, omega: np.ndarray, step: float, count: int) -> np.ndarray:
-    """R (count, nj nj) at delays a step apart."""
-    V = rates / gaussian.spread(rates)
-    pairs = 0.5 * (V[:, :, None] * V[:, None].conj()).reshape(len(V), -1)
-    rho = np.concatenate([*gaussian.sums(omega, pairs, 0.0, step, count)]).clip(-1.0, 1.0)
-    J, c, s = _terms(load, gaussian.spread(rates))
-    jumps = np.outer(J, J).ravel()
-    each = (c[:, :, None] * c[:, None]).reshape(len(c), -1) - s[:, None] ** 2 * jumps
-    square, total = rho**2, np.zeros(rho.shape)
-    for term in each[::-1]:
-        total = (total + term) * square
-    return total * rho + jumps * (2 / np.pi) * (np.arcsin(rho) - rho)
-
-
-def _terms(load: Load, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """J (nj,), cₖ (nk, nj) and sₖ (nk,) of the third order and all odd ones above."""
-    f, each = load(GRID[:, None] * sigma), _polynomials()
-    return 1.5 * f[0] - 0.5 * f[1], each @ f, each.sum(axis=1)
-
-
-@lru_cache
-def _polynomials() -> np.ndarray:
-    """Those Heₖ/√k! on the grid, with the weights of a mean (nk, ng)."""
-    orders = np.arange(3, ORDERS + 1, 2)
-    weight = np.sqrt(2 / np.pi) * (GRID[1] - GRID[0]) * np.exp(-0.5 * GRID**2)
-    each = hermevander(GRID, ORDERS)[:, orders] / np.sqrt(factorial(orders))
-    return shared((each * weight[:, None]).T)
 
 
 def _nodes(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:

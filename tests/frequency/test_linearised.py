@@ -146,6 +146,21 @@ def test_extremes_that_are_not_a_gaussians_are_told(law, expected):
     assert most / linear == approx(factor, rel=0.15) and factor == approx(expected, rel=0.1)
 
 
+@pytest.mark.parametrize(("law", "waves"), [
+    ({"quadratic_damping": (5e4, 0.0, 0.0)}, {"Hs": 1.0, "Tp": 8.0}),
+    ({"quadratic_damping": (2e5, 4e5, 1e7)}, {"Hs": 1.0, "Tp": 7.0}),
+])  # fmt: skip
+def test_what_a_rest_moves_below_the_waves_is_told(law, waves):
+    """By three waves' differences, where a soft mooring resonates: linear damping knows of none there."""
+    whole, h = SCENES["soft_mooring"]()
+    settings = replace(whole.settings, duration=3600.0, discard=1500.0)
+    item = replace(whole, sea=sea(**waves, band=(0.5, 2.0)), settings=settings)
+    soft = replace(item, floats=(replace(item.floats[0], **law),))
+    lines, march = by_lines(soft, h), simulate(soft, h)
+    true = error(*(record.variables["motion"][1][0] for record in (march, lines)))
+    assert true > 0.05 and 1 / 3 < lines.attrs["linearisation_effect"] / true < 3
+
+
 def error(true, table):
     true, table = (x.reshape(-1, 5) for x in (true, table))
     moves = true[:, 3] > 1e-2 * np.nanmax(true[:, 3])

@@ -1,0 +1,97 @@
+"""What linear damping leaves of loads by rate in a sea: its spectrum, and what that moves below the waves.
+
+Of Gaussian rates v with correlations ρ(τ), f = Σ cₖ Heₖ(v/σ)/√k!, what is left is k ≥ 3:
+
+    R(τ) = Σ cₖcₖ' ρ(τ)ᵏ = JJ' (2/π) (asin ρ - ρ) + Σ (cₖcₖ' - JJ'sₖsₖ') ρᵏ,
+
+with J sgn(v) the part of f that jumps, of which sₖ are the terms: its own series would end too late. By ρ³ three waves
+make a load at ω₁ + ω₂ - ω₃, too, which is little, but is all there is where a soft mooring resonates below the waves.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial.hermite_e import hermevander
+from scipy.fft import next_fast_len, rfft
+from scipy.special import factorial
+
+from solver.frequency import gaussian
+from solver.frequency.bent import Load
+from solver.frequency.case import NARROW, Case
+from solver.keys import shared
+from solver.record.slow import below
+
+ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
+GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std
+OFTEN = 16  # samples of the fastest's period
+PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
+EVEN, EACH = 60, 24  # frequencies below the waves, by their logarithms, and more of them about each resonance
+
+
+def slow_motions(
+    case: Case, load: Load, axes: np.ndarray, rates: np.ndarray, damping: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """ω (ne,) and lines X (n, ne), but for their phases, of what is left of loads along axes (nj,) at rates (nl, nj).
+
+    With further damping (n, n). None unless a shape swings below the waves. The slowest goes half a turn in the record.
+    """
+    model, n = case.model, len(case.model.mass)
+    shapes, least = below(case.system, case.hydrodynamics), np.pi / case.process.duration
+    if not (shapes.omega > least).any():
+        return np.zeros(0), np.zeros((n, 0), complex)
+    own, highest = shapes.omega, case.waves.min()
+    B = np.einsum("mi,ij,mj->m", shapes.shapes, model.damping + damping, shapes.shapes) + shapes.radiated
+    near = own[:, None] + np.maximum(B / 2, NARROW * own)[:, None] * np.tan(np.linspace(-1.5, 1.5, EACH))
+    edges = np.union1d(np.geomspace(least, highest, EVEN), near[(near > least) & (near < highest)])
+    at = 0.5 * (edges[1:] + edges[:-1])
+    Z = model.dynamic_stiffness(at, case.impedance_at(at)) - 1j * at[:, None, None] * damping
+    moved = np.linalg.solve(Z, np.eye(n)[:, axes])
+    power = np.sum((moved @ spectrum(load, rates, case.omega, at, highest, case.waves.max())) * moved.conj(), axis=2)
+    return at, np.sqrt(2 * np.diff(edges) * power.real.T.clip(min=0.0)).astype(complex)
+
+
+def spectrum(
+    load: Load, rates: np.ndarray, omega: np.ndarray, at: np.ndarray, slowest: float, fastest: float
+) -> np.ndarray:
+    """One-sided, at frequencies (ne,), of what is left of loads (ne, nj, nj) at rates (nl, nj) of lines omega (nl,)."""
+    last, nj = PERIODS * 2 * np.pi / slowest, rates.shape[1]
+    count = int(np.ceil(OFTEN * fastest * last / (2 * np.pi)))
+    step = last / count
+    R = correlations(load, rates, omega, step, count)
+    R *= (0.5 * step / np.pi * (1 + np.cos(np.pi * np.arange(count) / count)))[:, None]
+    R[0] /= 2
+    size = next_fast_len(2 * count, real=True)
+    place = at * size * step / (2 * np.pi)
+    seen, low = rfft(R, size, axis=0).conj(), place.astype(int)
+    half = seen[low] + (place - low)[:, None] * (seen[low + 1] - seen[low])
+    half = half.reshape(at.size, nj, nj)
+    return np.asarray(half + half.conj().swapaxes(1, 2))
+
+
+def correlations(load: Load, rates: np.ndarray, omega: np.ndarray, step: float, count: int) -> np.ndarray:
+    """R (count, nj nj) at delays a step apart."""
+    V = rates / gaussian.spread(rates)
+    pairs = 0.5 * (V[:, :, None] * V[:, None].conj()).reshape(len(V), -1)
+    rho = np.concatenate([*gaussian.sums(omega, pairs, 0.0, step, count)]).clip(-1.0, 1.0)
+    J, c, s = _terms(load, gaussian.spread(rates))
+    jumps = np.outer(J, J).ravel()
+    each = (c[:, :, None] * c[:, None]).reshape(len(c), -1) - s[:, None] ** 2 * jumps
+    square, total = rho**2, np.zeros(rho.shape)
+    for term in each[::-1]:
+        total = (total + term) * square
+    return total * rho + jumps * (2 / np.pi) * (np.arcsin(rho) - rho)
+
+
+def _terms(load: Load, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """J (nj,), cₖ (nk, nj) and sₖ (nk,) of the third order and all odd ones above."""
+    f, each = load(GRID[:, None] * sigma), _polynomials()
+    return 1.5 * f[0] - 0.5 * f[1], each @ f, each.sum(axis=1)
+
+
+@lru_cache
+def _polynomials() -> np.ndarray:
+    """Those Heₖ/√k! on the grid, with the weights of a mean (nk, ng)."""
+    orders = np.arange(3, ORDERS + 1, 2)
+    weight = np.sqrt(2 / np.pi) * (GRID[1] - GRID[0]) * np.exp(-0.5 * GRID**2)
+    each = hermevander(GRID, ORDERS)[:, orders] / np.sqrt(factorial(orders))
+    return shared((each * weight[:, None]).T)
