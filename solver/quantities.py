@@ -8,7 +8,7 @@ import operator
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from typing import Any, get_type_hints
+from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
 
@@ -18,6 +18,7 @@ BOUNDS = (
     ("above", ">", operator.gt), ("least", ">=", operator.ge),
     ("below", "<", operator.lt), ("most", "<=", operator.le),
 )  # fmt: skip
+Mark = TypeVar("Mark")
 PerAxis = float | tuple[float, ...]  # of a joint: a number for its only axis, or one for each
 
 
@@ -52,17 +53,20 @@ def _all(holds: Any) -> bool:
 @lru_cache
 def quantities(inputs: type) -> dict[str, Quantity]:
     """Unit and range of each field of a class of inputs that has them."""
-    hints = get_type_hints(inputs, include_extras=True)
-    marks = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
-    return {name: mark for name, of in marks.items() for mark in of if isinstance(mark, Quantity)}
+    return _marks(inputs, Quantity)
 
 
 @lru_cache
 def meanings(inputs: type) -> dict[str, str]:
     """What each field of a class of inputs is, in words, where it says so."""
+    return _marks(inputs, str)
+
+
+def _marks(inputs: type, kind: type[Mark]) -> dict[str, Mark]:
+    """Of a kind, in the annotations of each field that has one."""
     hints = get_type_hints(inputs, include_extras=True)
     marks = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
-    return {name: mark for name, of in marks.items() for mark in of if isinstance(mark, str)}
+    return {name: mark for name, of in marks.items() for mark in of if isinstance(mark, kind)}
 
 
 @lru_cache

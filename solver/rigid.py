@@ -1,10 +1,19 @@
-"""Moments and products of inertia of rigid bodies."""
+"""Rigid bodies: moments and products of inertia, and how a point of one moves with another."""
 
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 ROUNDING = 1e-9  # of the tensor's trace, by which a body's may miss what it must be
+
+
+def lever(arm: ArrayLike) -> np.ndarray:
+    """X (6, 6): displacement u + θ × r and rotation θ at the end of a rigid arm r (3,) [m], of its start's."""
+    x, y, z = np.asarray(arm)
+    X = np.eye(6)
+    X[:3, 3:] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
+    return X
 
 
 def inertia_tensor(moments: Sequence[float], products: Sequence[float]) -> np.ndarray:

@@ -10,7 +10,6 @@ import numpy as np
 
 from pipeline.study import columns
 from pipeline.study.seas import (
-    FURTHER,
     Components,
     Elevation,
     Irregular,
@@ -22,6 +21,7 @@ from pipeline.study.seas import (
     Waves,
     WhiteNoise,
     frequencies,
+    shaping,
 )
 from solver.errors import InputError
 
@@ -112,9 +112,7 @@ def spectrum(sea: Irregular | WhiteNoise | MeasuredSpectrum, waves: Waves) -> Sp
 
 def shape(sea: Irregular, waves: Waves) -> Peaked:
     """The solver's spectrum with a peak; what the sea state leaves open is as in [waves]."""
-    word = sea.spectrum or waves.spectrum
-    further = {key: getattr(sea, key) or getattr(waves, key) for key in FURTHER[word]}
-    made: Peaked = _class(word)(Hs=sea.Hs, Tp=sea.Tp, **further)
+    made: Peaked = _class(sea.spectrum or waves.spectrum)(Hs=sea.Hs, Tp=sea.Tp, **shaping(sea, waves))
     return made
 
 

@@ -286,7 +286,11 @@ def collect(study_file: StudyPath, results: ResultsFolder = RESULTS) -> None:
 
     study, _, store = _open(study_file, results)
     path, counts = write_dataset(study, store)
-    say(f"{path}: " + ", ".join(f"{n} {state}" for state, n in counts.items()))
+    say(f"{path}: {_counted(counts)}")
+
+
+def _counted(counts: dict[str, int]) -> str:
+    return ", ".join(f"{n} {state}" for state, n in counts.items())
 
 
 @app.command()
@@ -314,7 +318,7 @@ def report(
         raise StudyError(study.path, [f"{path}: not there yet; `{store.command('run', study.path)}` makes it"])
     if why := dataset.outdated(study, store):
         _, counts = dataset.collect(study, store)
-        say(f"{path}: {why}, and is collected again: " + ", ".join(f"{n} {state}" for state, n in counts.items()), err)
+        say(f"{path}: {why}, and is collected again: {_counted(counts)}", err)
     actions.print_table(study, path)
     if best:
         with dataset.opened(path) as data:

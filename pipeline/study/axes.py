@@ -240,8 +240,7 @@ class Variant(Table):
     def _gather(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        named = {key: data[key] for key in ("title", "axes") if key in data}
-        return named | {"keys": by_path({key: value for key, value in data.items() if key not in named})}
+        return _apart(data, ("title", "axes"))
 
     @field_validator("axes", mode="before")
     @classmethod
@@ -264,8 +263,13 @@ class Survival(Table):
     def _gather(cls, data: Any) -> Any:
         if not isinstance(data, dict) or "keys" in data:
             return data
-        named = {key: data[key] for key in ("Hs",) if key in data}
-        return named | {"keys": by_path({key: value for key, value in data.items() if key not in named})}
+        return _apart(data, ("Hs",))
+
+
+def _apart(data: Mapping[str, Any], fields: Collection[str]) -> dict[str, Any]:
+    """A table's own fields, and other keys by their paths."""
+    own = {key: data[key] for key in fields if key in data}
+    return own | {"keys": by_path({key: value for key, value in data.items() if key not in own})}
 
 
 def variant_axis(variants: Mapping[str, Variant]) -> Axis:

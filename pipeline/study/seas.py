@@ -186,12 +186,17 @@ def deciding(sea: SeaState, waves: Waves) -> tuple[SeaState, Waves]:
     if not isinstance(sea, Irregular):
         return sea, waves.model_copy(update={"form": usual.form, "gamma": usual.gamma})
     word = sea.spectrum or waves.spectrum
-    shape = {"spectrum": word} | {key: getattr(sea, key) or getattr(waves, key) for key in FURTHER[word]}
+    shape = {"spectrum": word} | shaping(sea, waves)
     none = dict.fromkeys(SHAPE)
     default = {key: getattr(usual, key) for key in SHAPE}
     if word in (waves.spectrum, usual.spectrum):
         return sea.model_copy(update=none), waves.model_copy(update=default | shape)
     return sea.model_copy(update=none | shape), waves.model_copy(update=default)
+
+
+def shaping(sea: Irregular, waves: Waves) -> dict[str, Any]:
+    """What a spectrum takes besides height and period; what the sea leaves open is as in [waves]."""
+    return {key: getattr(sea, key) or getattr(waves, key) for key in FURTHER[sea.spectrum or waves.spectrum]}
 
 
 def frequencies(sea: SeaState, waves: Waves) -> tuple[float, float] | None:

@@ -97,9 +97,9 @@ def variables(case: Case, response: Response) -> tuple[dict[str, Labelled], dict
         )  # quadratic ones' by the waves alone
         means, stds, unmet = moved(damped, axes, radiated(case.system, h), each.sum(axis=0), slow)
         for name, values in (("drift_offset", means), ("slow_drift", stds)):
-            joints = np.full((1, channels.owner.size), np.nan)
-            joints[0, axes] = values
-            found[name] = ("float", "axis"), channels.by_axis(joints)[0]
+            joints = np.full(channels.owner.size, np.nan)
+            joints[axes] = values
+            found[name] = channels.at_axes(joints)
         figures["unmet"] = unmet
     return found, figures
 

@@ -43,11 +43,8 @@ def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
     ends = gaussian.table(np.zeros(joints.shape[1]), joints, case.process)
     of_rates = case.process.sampled(rates)
     size = np.sqrt(2 / np.pi) * gaussian.spread(rates) if of_rates is None else np.abs(of_rates).mean(axis=0)
-    for name, values in (
-        ("pto_stroke", ends[:, 0] - ends[:, 1]),
-        ("pto_travel", 3600 * size),
-    ):
-        yield name, (("float", "axis"), case.channels.by_axis(values[None])[0])
+    yield "pto_stroke", case.channels.at_axes(ends[:, 0] - ends[:, 1])
+    yield "pto_travel", case.channels.at_axes(3600 * size)
 
 
 def joint_lines(case: Case, response: Response) -> np.ndarray:

@@ -94,6 +94,10 @@ class Channels:
         out[:, self.owner, [self.axes.index(name) for name in self.names]] = joint
         return out
 
+    def at_axes(self, joint: np.ndarray) -> Labelled:
+        """A variable of the record, of one number for each joint (nj,)."""
+        return ("float", "axis"), self.by_axis(joint[None])[0]
+
     def line_tension(self, bodies: Bodies, z: np.ndarray) -> np.ndarray:
         """(m, number of lines) at the bodies' coordinates z (m, nz)."""
         tension = np.zeros((len(z), len(self.lines)))

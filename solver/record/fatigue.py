@@ -6,7 +6,7 @@ import numpy as np
 import rainflow
 from scipy.special import gamma, gammainc, gammaincc
 
-from solver.record.sn_curves import MPA, curve
+from solver.record.sn_curves import MPA, SNCurve, curve
 from solver.scene import Fatigue
 
 HOUR = 3600.0  # [s]
@@ -78,10 +78,15 @@ def _without_inner(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         points = points[kept]
 
 
+def _curve(thickness: np.ndarray, how: Fatigue) -> tuple[SNCurve, np.ndarray]:
+    """That of the steel, and how many times larger stress counts (nl,) at plates as thick, or as the study says."""
+    line = curve(how.curve, how.environment)
+    return line, line.thicker(thickness if how.thickness is None else np.full(thickness.shape, how.thickness))
+
+
 def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: Fatigue) -> Damage:
     """Of stress (m, nl, nf) [Pa] in a time [s] at plates of some thickness (nl,) [m]; NaN where there is no fibre."""
-    line, shape = curve(how.curve, how.environment), stress.shape[1:]
-    larger = line.thicker(thickness if how.thickness is None else np.full(thickness.shape, how.thickness))
+    (line, larger), shape = _curve(thickness, how), stress.shape[1:]
     per_hour, equivalent, failed = np.full(shape, np.nan), np.full(shape, np.nan), []
     for leg, fibre in np.ndindex(*shape):
         x = stress[:, leg, fibre]
@@ -104,8 +109,7 @@ def of_samples(stress: np.ndarray, seconds: float, thickness: np.ndarray, how: F
 
 def of_lines(X: np.ndarray, omega: np.ndarray, thickness: np.ndarray, how: Fatigue) -> Damage:
     """Of a Gaussian process by its lines X (nw, nl, nf), Re Σ X exp(-iωt) [Pa]; a single line is a harmonic."""
-    line, shape = curve(how.curve, how.environment), X.shape[1:]
-    thicker = line.thicker(thickness if how.thickness is None else np.full(thickness.shape, how.thickness))
+    (line, thicker), shape = _curve(thickness, how), X.shape[1:]
     per_hour, equivalent = np.full(shape, np.nan), np.full(shape, np.nan)
     for leg, fibre in np.ndindex(*shape):
         x = how.scf * X[:, leg, fibre]

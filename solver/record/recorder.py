@@ -367,8 +367,8 @@ class Recorder:
             if hours > 0:
                 yield "end_stop_hit_rate", (("float",), hits / hours)
             for name, values in zip(CONTACT[1:], contact.T[1:], strict=True):
-                yield name, (("float", "axis"), channels.by_axis(values[None])[0])
+                yield name, channels.at_axes(values)
         if STROKES in self.statistics:
             way, size = np.split(self.statistics[STROKES].table(), 2)
-            for name, values in (("pto_stroke", way[:, 0] - way[:, 1]), ("pto_travel", 3600 * size[:, 2])):
-                yield name, (("float", "axis"), channels.by_axis(values[None])[0])
+            yield "pto_stroke", channels.at_axes(way[:, 0] - way[:, 1])
+            yield "pto_travel", channels.at_axes(3600 * size[:, 2])

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.errors import InputError
-from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.revolution import Revolution, polygon_radius
 from solver.kernels import fast_kernel, kernel
 
 
@@ -75,7 +75,7 @@ def revolution_mesh(hull: Revolution, *, along: int, around: int) -> Mesh:
     parts = [s.at(np.arange(n) / n) for s, n in zip(hull.meridian, counts, strict=True)]
     r, z = np.concatenate([*parts, [hull.meridian[-1].end]]).T
     psi = 2 * np.pi * np.arange(around) / around
-    r = r * np.sqrt(2 * np.pi / around / np.sin(2 * np.pi / around))
+    r = r * polygon_radius(around)
     vertices = np.stack([np.outer(r, np.cos(psi)), np.outer(r, np.sin(psi)), np.outer(z, np.ones(around))], -1)
     low = np.arange(along * around).reshape(along, around)
     high = low + around

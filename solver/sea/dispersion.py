@@ -52,11 +52,17 @@ def group_velocity(omega: np.ndarray, depth: float, gravity: float) -> np.ndarra
     return omega / k * group_share(k, depth)
 
 
-def group_share(k: np.ndarray, depth: float) -> np.ndarray:
+def group_share(k: ArrayLike, depth: float) -> np.ndarray:
     """The group's velocity over that of crests, (1 + 2kh/sinh 2kh)/2."""
-    kh = np.minimum(k * depth, 300.0)
+    kh = np.minimum(np.multiply(k, depth), 300.0)
     share: np.ndarray = (1 + 2 * kh / np.sinh(2 * kh)) / 2
     return share
+
+
+def over_depth(k: float, z: np.ndarray, depth: float) -> tuple[np.ndarray, np.ndarray]:
+    """cosh k(z+h)/cosh kh and sinh k(z+h)/cosh kh at heights z (np,) [m], by exponentials that do not overflow."""
+    down, up, both = np.exp(k * z), np.exp(-k * (z + 2 * depth)), 1 + np.exp(-2 * k * depth)
+    return (down + up) / both, (down - up) / both
 
 
 def longest(depth: float, gravity: float) -> float:

@@ -195,14 +195,6 @@ def rotation_shape(s: float, L: float, shear: Shear = NO_SHEAR) -> np.ndarray:
     return N
 
 
-def lever(arm: ArrayLike) -> np.ndarray:
-    """X (6, 6): displacement u + θ × r and rotation θ at the end of a rigid arm r (3,) [m] on a node, of the node's."""
-    x, y, z = np.asarray(arm)
-    X = np.eye(6)
-    X[:3, 3:] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
-    return X
-
-
 def in_global(shape: np.ndarray, T: np.ndarray) -> np.ndarray:
     """A (3, 12) shape matrix turned to global axes on both sides: Rᵀ N T, of an element's T (12, 12)."""
     return T[:3, :3].T @ shape @ T

@@ -11,6 +11,7 @@ import scipy  # its parts are imported when first used: the command line needs f
 
 from solver.errors import InputError, refuse
 from solver.quantities import of_no_unit, out_of_range
+from solver.rigid import lever
 from solver.structure import beam
 from solver.structure.members import ROUNDING, MarineGrowth, Member, PointLoad, PointMass, Vector
 from solver.structure.soil import Soil, falling
@@ -119,16 +120,20 @@ class Frame:
         """Keys and places [m] of the nodes, and of the ends of members that rigid offsets move."""
         for name, place in self.nodes.items():
             yield f"nodes.{name}", place
-        for member in (m for m in self.members if any((*m.start_offset, *m.end_offset))):
+        for member in self._off_nodes():
             for end, offset, place in zip(
                 ("start", "end"), (member.start_offset, member.end_offset), self.ends(member), strict=True
             ):
                 if any(offset):
                     yield f"members.{member.name}.{end}_offset", tuple(place.tolist())
 
+    def _off_nodes(self) -> Iterator[Member]:
+        """Members that have a rigid offset."""
+        return (m for m in self.members if any((*m.start_offset, *m.end_offset)))
+
     def _offset_problems(self) -> Iterator[InputError]:
         """Offsets that leave nothing of a member, or turn it round."""
-        for member in (m for m in self.members if any((*m.start_offset, *m.end_offset))):
+        for member in self._off_nodes():
             apart, between = np.subtract(self.nodes[member.end], self.nodes[member.start]), self.ends(member)
             if not (between[1] - between[0]) @ apart > COINCIDENT * apart @ apart:
                 taken = {"start": member.start_offset @ apart, "end": -(member.end_offset @ apart)}
@@ -224,7 +229,7 @@ class Frame:
         for member in self.members:
             ends, section, material = self.ends(member), member.section_at(0.5), member.material
             L = float(np.linalg.norm(ends[1] - ends[0]))
-            arms = scipy.linalg.block_diag(beam.lever(member.start_offset), beam.lever(member.end_offset))
+            arms = scipy.linalg.block_diag(lever(member.start_offset), lever(member.end_offset))
             T = beam.to_global(beam.rotation(*ends)) @ arms
             shear = beam.shear_parameters(material.E, material.G, section, L)
             stiffness = beam.stiffness(material.E, material.G, section, L)

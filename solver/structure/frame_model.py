@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy
 
+from solver.rigid import lever
 from solver.structure import beam
 from solver.structure.frame import Frame
 from solver.structure.members import Member
@@ -93,7 +94,7 @@ class FrameModel:
         rows = np.zeros((6, self.K.shape[0]))
         for e in (e for e in self.member_elements[member.name] if e in self.soil):
             T, dofs = self.transform[e], self.dofs[e]
-            rigid = np.concatenate([beam.lever(self.xyz[node] - upper) for node in self.elements[e]])
+            rigid = np.concatenate([lever(self.xyz[node] - upper) for node in self.elements[e]])
             rows[:, dofs] -= rigid.T @ T.T @ self.soil[e] @ T
         return rows, upper
 
@@ -128,7 +129,7 @@ def assemble(frame: Frame) -> FrameModel:
     rotation = np.array([beam.rotation(*pair) for pair in places])
     T = np.array([beam.to_global(R) for R in rotation])
     for e, arms in levers.items():
-        T[e] = T[e] @ scipy.linalg.block_diag(*map(beam.lever, arms))
+        T[e] = T[e] @ scipy.linalg.block_diag(*map(lever, arms))
     sections = [section for member in frame.members for section in member.sections]
     parts = list(zip([frame.members[i].material for i in member], sections, length, strict=True))
     stiffness = np.array([beam.stiffness(m.E, m.G, section, L) for m, section, L in parts])

@@ -9,8 +9,7 @@ import numpy as np
 
 from solver.errors import InputError, refuse
 from solver.quantities import Quantity, out_of_range, require_ranges
-from solver.rigid import inertia_tensor, is_of_a_body
-from solver.structure import beam
+from solver.rigid import inertia_tensor, is_of_a_body, lever
 from solver.structure.sections import Section, between
 
 ROUNDING = 1e-9  # of a matrix's size, by which it may fall short of being symmetric and positive
@@ -189,7 +188,7 @@ class PointMass:
     @property
     def matrix(self) -> np.ndarray:
         """Mass (6, 6) as the node has it [kg, kg m, kg m2]: the c.o.g. moves by u + θ × r."""
-        rigid = beam.lever(self.cog)[:3]
+        rigid = lever(self.cog)[:3]
         matrix = self.mass * rigid.T @ rigid
         matrix[3:, 3:] += self.tensor
         return matrix

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from solver.errors import InputError
+from solver.hydrodynamics.bem import incident
 from solver.hydrodynamics.bem.far_field import FarField, Waves
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.hydrodynamics.radiation.passivity import radiates
@@ -225,8 +226,7 @@ class Hydrodynamics:
     def arrival(self, omega: np.ndarray) -> np.ndarray:
         """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""
         k = wavenumbers(omega, self.depth, self.gravity)
-        along = self.centres[:, 0] * np.cos(self.heading) + self.centres[:, 1] * np.sin(self.heading)
-        return np.exp(1j * k[:, None] * np.repeat(along, len(self.dofs)))
+        return incident.arrival(k, self.heading, self.centres, len(self.dofs))
 
 
 class _Values(NamedTuple):

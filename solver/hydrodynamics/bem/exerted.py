@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.hydrodynamics.bem import incident
 from solver.hydrodynamics.bem.coefficients import DOFS
 from solver.hydrodynamics.bem.given import Given
 from solver.hydrodynamics.bem.incident import Sea
@@ -69,10 +70,7 @@ def arrival(six: Given, floats: Floats) -> np.ndarray:
 
 def arrival_at(six: Given, sea: Sea, places: np.ndarray) -> np.ndarray:
     """The same at places (nb, 3) [m] of bodies."""
-    x, y, _ = places.T
-    way = x * np.cos(sea.heading) + y * np.sin(sea.heading)
-    phase = np.multiply.outer(sea.wavenumbers(six.omega), np.repeat(way, 6))
-    return np.asarray(np.exp(1j * phase)[:, None])
+    return incident.arrival(sea.wavenumbers(six.omega), sea.heading, places, 6)[:, None]
 
 
 def _scattered(six: Given, floats: Floats) -> np.ndarray:

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.sea.dispersion import group_share, wavenumber
+from solver.sea.dispersion import group_share, over_depth, wavenumber
 
 FURTHER = 4.0  # orders beyond kr, besides as many times (kr)^⅓: of higher ones 1e-6 is left
 
@@ -50,11 +50,10 @@ def plane_waves(points: np.ndarray, normals: np.ndarray, k: float, depth: float,
     """At points (np, 3) from the origin with these normals, as many directions as there are orders up to `most`."""
     angle = 2 * np.pi * np.arange(2 * most + 1) / (2 * most + 1)
     e = np.stack([np.cos(angle), np.sin(angle)])
-    down, up = np.exp(k * points[:, 2]), np.exp(-k * (points[:, 2] + 2 * depth))  # cosh and sinh without overflow
-    both = 1 + np.exp(-2 * k * depth)
+    level, rise = over_depth(k, points[:, 2], depth)
     phase = np.exp(-1j * k * (points[:, :2] @ e))
-    value = phase * ((down + up) / both)[:, None]
-    climb = k * (normals[:, 2] * (down - up) / both)[:, None] * phase
+    value = phase * level[:, None]
+    climb = k * (normals[:, 2] * rise)[:, None] * phase
     return PlaneWaves(value, -1j * k * (normals[:, :2] @ e) * value + climb)
 
 

@@ -3,8 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from solver.hydrodynamics.bem.coefficients import DOFS
+from solver.rigid import lever
 
 KEY = "coefficients"  # of study files, under which they are refused
 ALONG = 1e-9  # what a turn by half a circle leaves of a motion across
@@ -61,9 +63,7 @@ def about(six: Given, centres: np.ndarray) -> Given:
     """Rotations and moments about `centres` (velocity v): the file's points move at v + ω × (point - centre)."""
     if six.points is None or np.allclose(six.points, centres, rtol=0, atol=1e-9):
         return six
-    T = np.eye(6 * len(centres))
-    for b, (x, y, z) in enumerate(six.points - centres):
-        T[6 * b : 6 * b + 3, 6 * b + 3 : 6 * b + 6] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
+    T = scipy.linalg.block_diag(*map(lever, six.points - centres))
     infinite = six.added_mass_inf
     return replace(
         six,

@@ -4,10 +4,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.sea.dispersion import wavenumber, wavenumbers
+from solver.sea.dispersion import group_share, over_depth, wavenumber, wavenumbers
 
 FADED = 20.0  # kh, at which nothing of a wave is left at the seabed
 DEEP = 2e-4  # share of a coefficient below which the seabed is left out; see Sea.seabed_share
+
+
+def arrival(k: np.ndarray, heading: float, places: np.ndarray, columns: int) -> np.ndarray:
+    """exp(ik(x cosβ + y sinβ)): the wave at the places (nb, 3) [m] of bodies over that at x = y = 0, (nw, nb columns).
+
+    k (nw,) [1/m]; a body has so many columns.
+    """
+    way = places[:, 0] * np.cos(heading) + places[:, 1] * np.sin(heading)
+    return np.asarray(np.exp(1j * np.multiply.outer(k, np.repeat(way, columns))))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +50,7 @@ class Sea:
         """
         under, kh = self.depth - draft, k * self.depth
         slender = radius / under
-        carried = np.tanh(kh) * (1 + 2 * kh / np.sinh(2 * kh)) - 1 if kh < FADED else 0.0
+        carried = 2 * np.tanh(kh) * group_share(k, self.depth) - 1 if kh < FADED else 0.0
         return float(max(slender * (k * under) ** -2.5 + 0.7 * slender**3, carried))
 
     def seabed_error(self, omega: np.ndarray, radius: float, draft: float) -> float:
@@ -57,10 +66,8 @@ class Sea:
         """Pressure (np,) [Pa/m] and velocity (np, 3) [1/s] of the unit incident wave."""
         k = self.wavenumber(omega)
         x, y, z = points.T
-        down, up = np.exp(k * z), np.exp(-k * (z + 2 * self.depth))  # cosh and sinh without overflow
-        both = 1 + np.exp(-2 * k * self.depth)
         c, s = np.cos(self.heading), np.sin(self.heading)
         phase = np.exp(1j * k * (x * c + y * s))
-        pressure, climb = phase * (down + up) / both, phase * (down - up) / both
+        pressure, climb = (phase * share for share in over_depth(k, z, self.depth))
         velocity = self.gravity * k / omega * np.column_stack([c * pressure, s * pressure, -1j * climb])
         return self.density * self.gravity * pressure, velocity

@@ -23,11 +23,10 @@ def jutting(panels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     sides, owner = surface.edges(faces)
     pairs, side = surface.cut_where_corners_lie(vertices, sides, np.arange(len(sides)))
     _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(place, kind="stable")
-    shared = side[order[count[place[order]] == 2].reshape(-1, 2)]
+    shared = side[surface.met_twice(place, count)]
     one, other = owner[shared].T
     corners = vertices[faces]
-    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normals = surface.quad_vectors(corners)
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     away = np.sum((corners.mean(axis=1)[other] - corners.mean(axis=1)[one]) * normals[one], axis=1)
     turn = np.arccos(np.clip(np.sum(normals[one] * normals[other], axis=1), -1, 1))

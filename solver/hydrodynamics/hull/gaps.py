@@ -7,7 +7,7 @@ import scipy  # spatial is slow to import, and asked of scenes with a lid alone
 
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.mesh import Hull, inside, nearest
-from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.revolution import Revolution, polygon_radius
 
 CIRCLE = 64  # sides of the polygon, as large as its circle, that stands for a round waterplane
 ALONG = 1 / 4  # of the width: points of the outlines by which it is judged
@@ -46,7 +46,7 @@ def outline(hull: Hull) -> np.ndarray:
     if not isinstance(hull, Revolution):
         return hull.waterline
     angle = 2 * np.pi * np.arange(CIRCLE) / CIRCLE
-    radius = hull.waterplane_radius * np.sqrt(2 * np.pi / CIRCLE / np.sin(2 * np.pi / CIRCLE))
+    radius = hull.waterplane_radius * polygon_radius(CIRCLE)
     corners = radius * np.column_stack([np.cos(angle), np.sin(angle)])
     return np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)[: CIRCLE * (radius > 0)]
 

@@ -119,8 +119,7 @@ def _patches(faces: np.ndarray) -> tuple[np.ndarray, list[frozenset[tuple[int, i
     """Each panel's patch (nf,), up to the edges of one or more than two, and the rim of each: edges, and which way."""
     pairs, owner = surface.edges(faces)
     _, place, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(place, kind="stable")
-    patches, patch = surface.connected(owner[order[count[place[order]] == 2].reshape(-1, 2)], len(faces))
+    patches, patch = surface.connected(owner[surface.met_twice(place, count)], len(faces))
     ways = [Counter[int]() for _ in range(patches)]
     for n, line, way in zip(patch[owner], place, np.where(pairs[:, 0] < pairs[:, 1], 1, -1), strict=True):
         ways[n][line] += way
@@ -133,8 +132,7 @@ def _stacks(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.nda
     triangle = (faces[:, 2] == faces[:, 3])[:, None]  # repeats its last corner, whichever that is
     corners = np.sort(np.where(triangle & (np.arange(4) == 3), -1, faces), axis=1)
     _, first, stack = np.unique(corners, axis=0, return_index=True, return_inverse=True)
-    a, b, c, d = np.moveaxis(vertices[faces], 1, 0)
-    normals = np.cross(c - a, d - b)
+    normals = surface.quad_vectors(vertices[faces])
     return first, stack, np.where(np.sum(normals * normals[first[stack]], axis=1) < 0, -1, 1)
 
 
@@ -158,8 +156,7 @@ def oriented(
     if count.max() > 2:
         point = vertices[pairs[np.argmax(count[place] > 2), 0]]
         raise InputError(key, name, f"{count.max()} panels meet at an edge near {surface.point_text(point)}: two may")
-    order = np.argsort(place, kind="stable")
-    shared = order[count[place[order]] == 2].reshape(-1, 2)
+    shared = surface.met_twice(place, count)
     turned, part = _consistent(len(faces), owner[shared], pairs[shared[:, 0], 0] == pairs[shared[:, 1], 0])
     if turned is None:
         raise InputError(key, name, "is a surface with one side only, so it encloses nothing")

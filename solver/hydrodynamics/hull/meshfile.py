@@ -115,8 +115,7 @@ def _hydrostar(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
                     faces.append([*corners, corners[-1]][:4])
                 case [word, *values] if word not in HEADER and word[0] not in "#!":
                     planes = max(planes, _planes(word, values))
-    vertices, panels = np.array(points, float).reshape(-1, 3), np.array(faces, int).reshape(-1, 4)
-    return _unfolded(vertices, panels, planes == 2, planes > 0)
+    return _unfolded(*_arrays(points, faces), planes == 2, planes > 0)
 
 
 def _planes(word: str, values: list[str]) -> int:
@@ -146,8 +145,11 @@ def _obj(data: bytes, _kind: str) -> tuple[np.ndarray, np.ndarray]:
                     faces += _parts(np.array(corners), np.array([points[i] for i in corners]))
                 case ["v" | "f" | "surf" | "call" as word, *values]:
                     raise ValueError(f"{word} with {len(values)} values is not known here")
-    vertices, panels = np.array(points, float).reshape(-1, 3), np.array(faces, int).reshape(-1, 4)
-    return vertices, panels
+    return _arrays(points, faces)
+
+
+def _arrays(points: list[list[float]], faces: list[list[int]]) -> tuple[np.ndarray, np.ndarray]:
+    return np.array(points, float).reshape(-1, 3), np.array(faces, int).reshape(-1, 4)
 
 
 def _counted(number: int, count: int) -> int:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.revolution import Revolution, Segment
 
 THIN = 0.15  # thickness of a plate over its width, at most: panels of the usual size are as wide as that
@@ -39,7 +40,7 @@ def of_panels(corners: np.ndarray) -> Plates:
     """Of panels (n, 4, 3): behind those of plates the other face is nearer than THINNER of their side."""
     from scipy.spatial import cKDTree  # asked of meshes alone, and slow to import
 
-    vectors, centres = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2, corners.mean(axis=1)
+    vectors, centres = surface.quad_vectors(corners), corners.mean(axis=1)
     areas = np.linalg.norm(vectors, axis=1)
     sides, normals, tree = np.sqrt(areas), vectors / np.maximum(areas, 1e-300)[:, None], cKDTree(centres)
     thin, unlike = np.zeros(len(corners)), np.zeros(len(corners))

@@ -312,3 +312,8 @@ class Revolution:
     def wetted_area(self) -> float:
         """Surface below still water [m²]."""
         return sum(s.area for s in self.wetted())
+
+
+def polygon_radius(sides: int) -> float:
+    """Distance of an even polygon's corners from its middle over the radius of the circle that is as large."""
+    return float(np.sqrt(2 * np.pi / sides / np.sin(2 * np.pi / sides)))

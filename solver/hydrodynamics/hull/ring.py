@@ -6,7 +6,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.hull.revolution import cross
+from solver.hydrodynamics.hull.revolution import cross, polygon_radius
 
 SIDES = 32  # of the polygon that stands for each circle
 
@@ -30,7 +30,7 @@ def ring(points: tuple[tuple[float, float], ...]) -> PanelHull:
         if any(cross(side, other) for other in outline[n + 2 : len(outline) - (n == 0)]):
             raise InputError("hull.points", side, "must not cross or touch another side of the outline")
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
-    section[:, 0] *= np.sqrt(2 * np.pi / SIDES / np.sin(2 * np.pi / SIDES))
+    section[:, 0] *= polygon_radius(SIDES)
     r, z = section[:, :1], np.broadcast_to(section[:, 1:], (len(section), SIDES))
     vertices = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1).reshape(-1, 3)
     here = np.arange(len(vertices)).reshape(len(section), SIDES)

@@ -90,7 +90,7 @@ def walls(panels: np.ndarray) -> list[str]:
     Those of the same corners are left out, see mending.once.
     """
     extent, triangles = np.ptp(panels.reshape(-1, 3), axis=0).max(), surface.triangles(surface.below(panels))
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals = 2 * surface.area_vectors(triangles)
     area = np.linalg.norm(normals, axis=1)
     some = area > (SMALLER * extent) ** 2
     triangles, normals = triangles[some], normals[some] / area[some, None]

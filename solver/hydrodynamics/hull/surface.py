@@ -57,6 +57,11 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
 
 
+def quad_vectors(corners: np.ndarray) -> np.ndarray:
+    """The same of panels (n, 4, 3), by their diagonals."""
+    return np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
+
+
 def areas(panels: np.ndarray) -> np.ndarray:
     """[m²] (n,) of panels (n, 4, 3), of the triangles on both sides of their first diagonal."""
     halves = (area_vectors(panels[:, corners]) for corners in ([0, 1, 2], [0, 2, 3]))
@@ -84,6 +89,12 @@ def edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     owner = np.repeat(np.arange(len(faces)), 4)
     real = pairs[:, 0] != pairs[:, 1]
     return pairs[real], owner[real]
+
+
+def met_twice(place: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """Pairs (n, 2) of edges in one place, of the place (ne,) of each, where these have two by their count (np,)."""
+    order = np.argsort(place, kind="stable")
+    return order[count[place[order]] == 2].reshape(-1, 2)
 
 
 def unmatched(lines: np.ndarray) -> np.ndarray:
