@@ -16,7 +16,7 @@ from pipeline.bridge.engine import Engine
 from pipeline.bridge.loading import load
 from pipeline.bridge.preflight import judge
 from pipeline.report import report
-from pipeline.report.report import Published
+from pipeline.report.published import Published, read_published
 from pipeline.results import dataset
 from pipeline.results.records import decode
 from pipeline.study.paths import with_value
@@ -234,7 +234,7 @@ def refusal() -> str:
 
 def sections(results: Path) -> dict[str, str]:
     """What studies/paper.md quotes, by the names of its marks."""
-    data, rows = opened(results, STUDY.stem), report.published(PUBLISHED)
+    data, rows = opened(results, STUDY.stem), read_published(PUBLISHED)
     base = data.isel(variant=0)
     return {
         "tables": "\n".join(tables(base, rows)),

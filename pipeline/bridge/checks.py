@@ -6,21 +6,17 @@ What the solver's inputs refuse is not judged here: they are built, and their ob
 from __future__ import annotations
 
 import itertools
-import math
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
 
-from pipeline.bridge import platforms, scenes, sea_checks
+from pipeline.bridge import axis_checks, platforms, scenes, sea_checks
+from pipeline.bridge.axis_checks import MOST_NAMED
 from pipeline.bridge.objections import objections
-from pipeline.results.variables import COORDINATES, VARIABLES
 from pipeline.study import seas
-from pipeline.study.axes import TAKEN, Axes, Axis, told
-from pipeline.study.inherit import KINDS
+from pipeline.study.axes import Axes, Axis, told
 from pipeline.study.layout import HINGE
-from pipeline.study.paths import PathError, keys_at, with_value
 from pipeline.study.schema import StudyFile
 from pipeline.study.settings import RULES
 from pipeline.study.tables import Same
@@ -31,24 +27,16 @@ from pipeline.tasks.task import (
     axes,
     blocks,
     cell,
-    coordinates,
     firsts,
-    standing_for,
     supports,
     surviving,
 )
 from solver.errors import InputError
 from solver.scene import MOST_STEPS, OF_FLOATS, OF_STEEL, on_others
 
-# Far more than anybody has asked for, and already days of work or all of a machine's memory.
-MOST_TASKS = 10_000_000
-MOST_AXES = 24  # over keys, each of which is a dimension of the dataset
-MOST_FLOATS = 100
+MOST_FLOATS = 100  # far more than anybody has asked for, and already all of a machine's memory
 MOST_TRIED = 10  # values of an axis, with as many of another
-MOST_NAMED = 20  # labels of an axis in a message
-SHORT = {"pto_damping": "floats.*.pto_damping", "hinge_spacing": "floats.*.hinge.0"}  # what named axes decide, last
 NUMERICS = "record.", "solver."  # tables of what makes the solver's settings
-SURVIVING = ("floats", "left_out", "platform", "solver")  # tables and keys of which others may hold in high seas
 
 Judge = Callable[[StudyFile], Iterable[InputError]]
 
@@ -59,17 +47,17 @@ def problems(study: StudyFile, *, based: bool = False) -> list[InputError]:
     based: whether it stands on another, of which no table can be taken back.
     """
     later: tuple[Judge, ...] = (
-        _overlaps,
-        _variants,
-        _empty,
+        axis_checks.overlaps,
+        axis_checks.variants,
+        axis_checks.empty,
         *([] if based else [_idle]),
         partial(_at_each_value, judge=_contents),
         partial(_at_each_value, judge=_scenes),
         _together,
     )
     # A path to one of two floats of a name leads to the first of them, or, meant for the other, nowhere.
-    each = [*_repeated("floats.name", (f.name for f in study.floats))]
-    each = each or [*_paths(study), *_axes(study)]
+    each = [*axis_checks.repeated("floats.name", (f.name for f in study.floats))]
+    each = each or [*axis_checks.paths(study), *axis_checks.named(study)]
     for judge in later:
         each = each or [*judge(study)]
     return list({str(problem): problem for problem in each}.values())
@@ -160,181 +148,6 @@ def _some(labels: Sequence[Label]) -> Sequence[Label]:
     return labels[:: 1 + len(labels) // MOST_TRIED]
 
 
-def _paths(study: StudyFile) -> Iterator[InputError]:
-    """Paths that lead nowhere, values that may not stand there, names that others have."""
-    if len(study.varied) > MOST_AXES:
-        yield InputError(
-            "axes", f"{len(study.varied)} keys", f"must be <= {MOST_AXES}; [[axes.together]] varies several"
-        )
-        return
-    limit = "is the name of another dimension, coordinate or output"
-    taken = TAKEN | VARIABLES.keys() | COORDINATES.keys() - set(AXES)
-    words = Counter(word.partition(" ")[0] for group in study.axes.together for word in group.beside)
-    words.update(axes(study).keys())
-    for group in study.axes.together:
-        if group.name in taken or getattr(study.axes, group.name, None):
-            yield InputError("axes.together.name", group.name, limit)
-        for word, values in group.beside.items():
-            if (name := word.partition(" ")[0]) in taken or words[name] > 1:
-                yield InputError(f'axes.together."{word}"', list(values), limit)
-    for axis in study.varied:
-        together = [axis.at(place) for place in range(len(axis.labels))]
-        for path, values in axis.keys.items():
-            if not values:
-                yield InputError(f'axes."{path}"', "[]", "needs at least one value")
-            for label, given in zip(axis.labels, together, strict=True):
-                if path in given and (limit := _objection(study, path, given)):
-                    yield InputError(_place(axis, path, label), told(given[path]), limit)
-                    break
-        yield from _repeated(f'axes."{next(iter(axis.keys)) if axis.own else axis.name}"', axis.labels)
-    yield from _survival(study)
-    names = Counter(axis.name for axis in study.varied)
-    for name in (name for name, count in names.items() if count > 1):
-        yield InputError("axes", name, "is the name of two dimensions; rename one in [[axes.together]]")
-
-
-def _overlaps(study: StudyFile) -> Iterator[InputError]:
-    """Keys that two dimensions vary, by whatever paths; of a variant, from which axes may go on, what those decide.
-
-    Another shape or kind that it brings in needs all keys of its table, whatever becomes of them.
-    """
-    short = [Axis(name, (), {name: ()}) for name in SHORT if getattr(study.axes, name)]
-    for one, other in itertools.combinations((*study.varied, *short), 2):
-        decided = _reached(study, other)
-        if one.name == "variant":
-            whole = {path.rpartition(".")[0] for path in one.keys if path.rpartition(".")[2] in KINDS}
-            own = [path for path in one.keys if path.rpartition(".")[0] not in whole]
-            twice = [path for path in own if all(_within(key, decided) for key in _keys(study, path))]
-        else:
-            pairs = itertools.product(_reached(study, one), decided)
-            twice = [".".join(max(a, b)) for a, b in pairs if a[: len(b)] == b[: len(a)]]
-        if twice:
-            along = f"{one.name} and {other.name}"
-            limit = f"is varied along two dimensions, {along}, of which the second would decide alone"
-            yield InputError("axes", f'"{twice[0]}"', limit)
-
-
-def _reached(study: StudyFile, axis: Axis) -> list[tuple[str, ...]]:
-    """The keys that an axis varies; one that is part of another has a longer way."""
-    return [key for path in axis.keys for key in _keys(study, path)]
-
-
-def _keys(study: StudyFile, path: str) -> Iterator[tuple[str, ...]]:
-    return keys_at(study, SHORT.get(path, path))
-
-
-def _within(key: tuple[str, ...], others: Iterable[tuple[str, ...]]) -> bool:
-    """Whether it is one of the others, or a part of one."""
-    return any(key[: len(other)] == other for other in others)
-
-
-def _objection(study: StudyFile, path: str, together: Mapping[str, object]) -> str:
-    """What is wrong with a path or its value; nothing where that is another's fault, of those that come with it."""
-    try:
-        with_value(study, path, together[path], together)
-    except PathError as error:
-        return str(error) if error.path in ("", path) else ""
-    return ""
-
-
-def _survival(study: StudyFile) -> Iterator[InputError]:
-    """Values in high seas that lead nowhere, or that nothing would come of."""
-    if study.survival is None:
-        return
-    for path, value in study.survival.keys.items():
-        where, first = f'survival."{path}"', path.partition(".")[0]
-        if first not in SURVIVING:
-            yield InputError(where, value, f"must be a key of {', '.join(SURVIVING)}")
-            continue
-        if study.axes.hinge_spacing and first == "floats" and "hinge" in path.split("."):
-            yield InputError(where, value, "must be left out beside axes.hinge_spacing, which alone decides on hinges")
-        elif limit := _objection(study, path, study.survival.keys):
-            yield InputError(where, value, limit)
-    if not study.survival.keys:
-        yield InputError("survival", "{}", 'needs keys that change, as "floats.*.coulomb" = 1e9, or left_out')
-    unknown = set(study.axes.sea_state or ()) - study.sea_states.keys()
-    if unknown or any(path.startswith("sea") for axis in study.varied for path in axis.keys):
-        return  # which are judged elsewhere
-    try:
-        highest = max(map(seas.height, study.seas.values()))
-    except InputError:  # of a file, which is judged with its sea
-        return
-    if not highest > study.survival.Hs:
-        limit = f"no sea of the study is above it: the highest has Hs = {highest:g} m"
-        yield InputError("survival.Hs", study.survival.Hs, limit)
-
-
-def _place(axis: Axis, path: str, label: Label) -> str:
-    """Where a study file gives a key its value."""
-    above = {"variant": f"variants.{label}", "sample": "samples"}.get(axis.name, "axes")
-    return f'{above}."{path}"'
-
-
-def _variants(study: StudyFile) -> Iterator[InputError]:
-    """Parts of axes that the study does not have."""
-    table, known = axes(study), coordinates(study)
-    for name, variant in study.variants.items():
-        for key, values in variant.axes.items():
-            where = f"variants.{name}.axes.{key}"
-            if key not in known or known[key].dimension == "variant":
-                others = ", ".join(other for other in table if other != "variant")
-                yield InputError(where, list(values), f"must be an axis of the study: {others}")
-                continue
-            if not values:
-                yield InputError(where, "[]", "needs at least one value")
-            own = list(dict.fromkeys(known[key].values))
-            listed = ", ".join(map(str, own[:MOST_NAMED]))
-            for value, found in zip(values, standing_for(values, own), strict=True):
-                if found is None:
-                    yield InputError(where, told(value), f"must be on the study's own axis: {listed}")
-
-
-def _empty(study: StudyFile) -> Iterator[InputError]:
-    """Variants along parts of one dimension that have nothing in common."""
-    for part in blocks(study):
-        for along in (name for name, labels in part.items() if not labels):
-            (variant,) = part["variant"]
-            yield InputError(f"variants.{variant}.axes", along, "has no label with all of the values given")
-
-
-def _axes(study: StudyFile) -> Iterator[InputError]:
-    axes = study.axes
-    for name in AXES:
-        values = getattr(axes, name)
-        if values is not None and not values:
-            yield InputError(f"axes.{name}", "[]", "needs at least one value")
-        yield from _repeated(f"axes.{name}", values or ())
-    lengths = [len(values) for name in AXES if (values := getattr(axes, name))]
-    lengths += [len(axis.labels) for axis in study.varied]
-    if (count := math.prod(lengths, start=1 if axes.sea_state else len(study.sea_states))) > MOST_TASKS:
-        yield InputError("axes", f"{count} tasks", f"must be <= {MOST_TASKS}: split the study")
-    for label in axes.sea_state or ():
-        if label not in study.sea_states:
-            known = ", ".join(study.sea_states)
-            yield InputError("axes.sea_state", label, f"must be one of [sea_states]: {known}")
-    for support in supports(study):
-        if support != "fixed" and not study.platform:
-            yield InputError("axes.platform", support, "needs a [platform] table")
-        if support == "fixed" and not study.floats:
-            yield InputError("axes.platform", support, "without [[floats]] leaves nothing to simulate")
-    if axes.hinge_spacing and len(study.floats) != 2:
-        limit = f"needs exactly 2 floats, and the study has {len(study.floats)}"
-        yield InputError("axes.hinge_spacing", list(axes.hinge_spacing), limit)
-    elif axes.hinge_spacing and study.floats[0].hinge[0] == study.floats[1].hinge[0]:
-        yield InputError("axes.hinge_spacing", list(axes.hinge_spacing), "needs hinges at two different x")
-    if axes.pto_damping and not study.floats:
-        yield InputError("axes.pto_damping", list(axes.pto_damping), "needs [[floats]]")
-    elif axes.pto_damping and (several := [f.name for f in study.floats if len(f.motion) > 1]):
-        limit = f"needs floats with a single axis, and {several[0]} has several: give its own list"
-        yield InputError("axes.pto_damping", list(axes.pto_damping), limit)
-
-
-def _repeated(key: str, values: Iterable[object]) -> Iterator[InputError]:
-    for value, count in Counter(values).items():
-        if count > 1:
-            yield InputError(key, value, f"given {count} times, must be unique")
-
-
 def _recording(study: StudyFile) -> Iterator[InputError]:
     record = study.record
     waves = any(not isinstance(sea, seas.Still) for sea in study.seas.values())
@@ -384,7 +197,7 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
     if table := study.platform:
         if "elastic" in supports(study):  # whose frame has a node for each float that no member need join
             yield from on_others((f.name, f.on) for f in study.floats if f.name not in study.left_out)
-        yield from _repeated("platform.legs", table.legs)
+        yield from axis_checks.repeated("platform.legs", table.legs)
         written = table.damping_ratio if "damping_ratio" in table.model_fields_set else 0.0
         if written and (table.rayleigh_mass or table.rayleigh_stiffness):
             limit = "must be 0 or left out beside rayleigh_mass or rayleigh_stiffness, which damp instead of it"

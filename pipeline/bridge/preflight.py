@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field
 from functools import partial
 
-from pipeline.bridge.checks import MOST_NAMED
+from pipeline.bridge.axis_checks import MOST_NAMED
 from pipeline.bridge.engine import Engine
 from pipeline.bridge.objections import objections
 from pipeline.bridge.sea_checks import of_sea

@@ -34,9 +34,9 @@ def preflight(study: Study, tasks: Tasks) -> list[str]:
     from pipeline.bridge.preflight import judge
 
     if study.published:
-        from pipeline.report.report import published
+        from pipeline.report.published import read_published
 
-        published(study.published)
+        read_published(study.published)
     told = judge(study, tasks.passing(), Engine())
     for text in told:
         say(f"{study.path}: warning: {text}", err)
@@ -151,11 +151,12 @@ def print_table(study: Study, path: Path) -> None:
 
 def _table(study: Study, path: Path) -> str:
     from pipeline.report import report
+    from pipeline.report.published import read_published
     from pipeline.report.yearly import show
     from pipeline.results import dataset
 
     with dataset.opened(path) as data, out.capture() as drawn:
-        rows = report.published(study.published) if study.published else []
+        rows = read_published(study.published) if study.published else []
         if rows:
             report.print_tables(data, rows, out, study=study.content)
         if not report.speaks(data, rows):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pipeline.report.drawing import INK, MARKERS, PAPER, canvas, categories, colour, lanes, marker, together
-from pipeline.report.report import Published
+from pipeline.report.published import Published
 from pipeline.report.yearly import prefix
 from pipeline.study.seas import height
 from pipeline.tasks.study import Study

@@ -17,6 +17,7 @@ from pipeline.report.drawing import plain, png, svg
 from pipeline.report.figures import Results, short, told
 from pipeline.report.overview import TEXT, overview
 from pipeline.report.periods import natural_periods
+from pipeline.report.published import read_published
 from pipeline.report.responses import dashes, responses
 from pipeline.report.template import PAGE
 from pipeline.report.yearly import of_survivors
@@ -36,7 +37,7 @@ VERSION = "version_"
 
 def results_of(study: Study, path: Path) -> Results:
     """A study beside its dataset and the published numbers, if there are any."""
-    published = report.published(study.published) if study.published else []
+    published = read_published(study.published) if study.published else []
     return Results(study=study, data=dataset.loaded(path), published=published, tasks=path.parent / "tasks")
 
 

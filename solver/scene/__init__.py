@@ -4,6 +4,7 @@ Frame: x along the waves for heading 0, z upwards from still water, rotations ri
 """
 
 from solver.hydrodynamics.hull.mesh import PANELS
+from solver.scene.arrangement import is_planar, on_others, out_of_place, unlisted
 from solver.scene.floats import (
     DOFS,
     LEVEL,
@@ -11,12 +12,8 @@ from solver.scene.floats import (
     STARTS,
     EndStops,
     Float,
-    is_planar,
     load_unit_along,
-    on_others,
-    out_of_place,
     unit_along,
-    unlisted,
 )
 from solver.scene.platform import Platform, StructuralDamping
 from solver.scene.scene import MOST_STEPS, STEPS, Scene, require_waves, stays_in_plane, two_digits

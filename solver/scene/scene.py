@@ -14,7 +14,8 @@ from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import ON_SEABED, stands
 from solver.hydrodynamics.hull.swing import Stroke, meeting
-from solver.scene.floats import STARTS, Float, is_planar, lines_mirrored, on_others, out_of_place, unlisted
+from solver.scene.arrangement import is_planar, lines_mirrored, on_others, out_of_place, unlisted
+from solver.scene.floats import STARTS, Float
 from solver.scene.platform import Platform
 from solver.scene.settings import OUTPUTS, Settings
 from solver.scene.turning import turned_over

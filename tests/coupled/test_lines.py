@@ -18,7 +18,7 @@ from solver.errors import InputError, SimulationFailed
 from solver.mooring import Line, line_loads, line_stiffness
 from solver.run import simulate
 from solver.scene import DOFS, Float, Platform, Scene, Water
-from solver.scene.floats import lines_mirrored
+from solver.scene.arrangement import lines_mirrored
 from solver.structure.frame import Frame
 from solver.structure.members import Member
 from solver.structure.sections import tube

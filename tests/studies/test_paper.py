@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from pipeline.bridge.loading import load
-from pipeline.report.report import Published
+from pipeline.report.published import Published, read_published
 from pipeline.results.netcdf import Variable, to_bytes
 from pipeline.tasks.select import select
 from pipeline.tasks.task import digest
@@ -76,7 +76,7 @@ def test_what_is_slower_than_the_waves(tmp_path):
 
 
 def test_every_finding_names_published_numbers():
-    known = {(row.variable, row.label, row.statistic) for row in paper.report.published(paper.PUBLISHED)}
+    known = {(row.variable, row.label, row.statistic) for row in read_published(paper.PUBLISHED)}
     for _, variable, top, bottom in (*paper.FINDINGS, *paper.PEAKS):
         assert {(variable, *top), (variable, *bottom)} <= known
 

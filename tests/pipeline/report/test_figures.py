@@ -13,7 +13,7 @@ from pipeline.cli import cli
 from pipeline.report import envelopes, figures, overview, page, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, png, svg
-from pipeline.report.report import COLUMNS, published
+from pipeline.report.published import COLUMNS, read_published
 from pipeline.report.responses import responses
 from pipeline.tasks.study import Study
 
@@ -373,7 +373,7 @@ def test_an_axis_of_words_has_its_own_figure(small, tmp_path):
     usual = varied.data.absorbed_power.sel(sea_state="rough", statistic="mean", float="front", platform="elastic")
     assert [x for x, _ in dots[:3]] == pytest.approx(usual.mean("seed") / 1e3)
     (tmp_path / "p.csv").write_text(PUBLISHED)
-    known = figures.Results(study=varied.study, data=varied.data, published=published(tmp_path / "p.csv"))
+    known = figures.Results(study=varied.study, data=varied.data, published=read_published(tmp_path / "p.csv"))
     with plain():
         (axes,) = along(known, "variant").axes
     ((cross,),) = (line.get_xydata() for line in axes.lines if line.get_marker() == "x")
@@ -432,7 +432,7 @@ def test_it_is_said_at_what_the_other_axes_are_held(small, tmp_path):
     whole = {title: caption for title, caption, _ in page._list(both)}
     assert whole["Along depth at variant usual"].startswith("Each sea state, mean")
     assert whole["Along variant at depth inf"].startswith("Sea state rough, mean")
-    text = page.html(replace(both, published=published(tmp_path / "p.csv")))
+    text = page.html(replace(both, published=read_published(tmp_path / "p.csv")))
     assert "below each table. Shown at pto damping 100000; variant usual.</p>" in text
 
 
@@ -518,7 +518,7 @@ def test_a_force_that_is_zero_is_not_shown(results):
 def test_published_numbers_choose_the_sea_state(results, tmp_path):
     path = tmp_path / "p.csv"
     path.write_text(f"{','.join(COLUMNS)}\nT,p,absorbed_power,sea_state=calm;platform=fixed;float=front,mean,2,kW,\n")
-    known = figures.Results(study=results.study, data=results.data, published=published(path))
+    known = figures.Results(study=results.study, data=results.data, published=read_published(path))
     assert (results.sea, known.sea) == ("rough", "calm")
     assert known.theirs("absorbed_power", "mean", sea_state="calm", platform="fixed", float="front") == 2e3
     assert known.theirs("absorbed_power", "mean", sea_state="rough", platform="fixed", float="front") is None
@@ -529,7 +529,7 @@ def test_published_numbers_are_spoken_of_where_they_are_drawn(results, tmp_path)
     path = tmp_path / "p.csv"
     for sea in ("rough", "another"):
         path.write_text(PUBLISHED.replace("rough", sea))
-        known = replace(results, published=published(path))
+        known = replace(results, published=read_published(path))
         captions = {figure["title"]: figure["caption"] for figure in page.drawn(known)}
         assert [title for title, words in captions.items() if words.endswith(" Crosses: published.")] == (
             ["Power and rotation in each sea state"] if sea == "rough" else []

@@ -12,6 +12,7 @@ from rich.console import Console
 from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.report import report, units
+from pipeline.report.published import COLUMNS, read_published
 from pipeline.report.yearly import texts
 from pipeline.results.variables import VARIABLES
 from pipeline.study.reading import StudyError
@@ -19,7 +20,7 @@ from solver.statistics import STATISTICS
 
 EMPTY = SimpleNamespace(floats=[], platform=None)  # a study
 
-HEAD = ",".join(report.COLUMNS)
+HEAD = ",".join(COLUMNS)
 
 
 @pytest.fixture
@@ -38,7 +39,7 @@ def data():
 
 def row(path, text):
     path.write_text(f"{HEAD}\n{text}\n")
-    return report.published(path)[0]
+    return read_published(path)[0]
 
 
 @pytest.mark.parametrize(
@@ -138,10 +139,10 @@ def test_bad_rows_are_named(tmp_path):
     ]
     (tmp_path / "q.csv").write_text("a,b\n1,2\n")
     with pytest.raises(StudyError, match="must be table, label"):
-        report.published(tmp_path / "q.csv")
+        read_published(tmp_path / "q.csv")
     (tmp_path / "q.csv").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(StudyError, match="is no table of text: 'utf-8' codec can't decode"):
-        report.published(tmp_path / "q.csv")
+        read_published(tmp_path / "q.csv")
 
 
 @pytest.mark.parametrize(
@@ -294,7 +295,7 @@ def test_means_say_where_realizations_failed(data, tmp_path):
 
 def test_published_numbers_of_the_project_name_known_variables():
     for path in (Path(__file__).parents[3] / "studies").glob("*-published.csv"):
-        rows = report.published(path)
+        rows = read_published(path)
         assert rows
         assert {r.variable for r in rows} <= VARIABLES.keys()
         with path.open(newline="") as file:

@@ -23,7 +23,7 @@ from pipeline.cli import actions
 from pipeline.cli.cli import app
 from pipeline.cli.plan import Estimate
 from pipeline.report.page import facts, html, results_of
-from pipeline.report.report import COLUMNS
+from pipeline.report.published import COLUMNS
 from pipeline.results import dataset
 from pipeline.results.netcdf import Variable
 from pipeline.results.packs import packed
