@@ -9,10 +9,11 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from pipeline.results.variables import COORDINATES, VARIABLES
 from pipeline.study import seas
-from pipeline.study.axes import TAKEN, Axis, told
+from pipeline.study.axes import TAKEN, Axis
 from pipeline.study.inherit import KINDS
 from pipeline.study.paths import PathError, keys_at, with_value
 from pipeline.study.schema import StudyFile
+from pipeline.study.words import told
 from pipeline.tasks.task import AXES, Label, axes, blocks, coordinates, standing_for, supports
 from solver.errors import InputError
 

@@ -15,11 +15,12 @@ from pipeline.bridge import axis_checks, platforms, scenes, sea_checks
 from pipeline.bridge.axis_checks import MOST_NAMED
 from pipeline.bridge.objections import objections
 from pipeline.study import seas
-from pipeline.study.axes import Axes, Axis, told
+from pipeline.study.axes import Axes, Axis
 from pipeline.study.layout import HINGE
 from pipeline.study.schema import StudyFile
 from pipeline.study.settings import RULES
 from pipeline.study.tables import Same
+from pipeline.study.words import told
 from pipeline.tasks.task import (
     AXES,
     Label,

@@ -12,11 +12,11 @@ from pipeline.bridge import platforms, scenes
 from pipeline.bridge.hulls import hull, offset
 from pipeline.study import seas
 from pipeline.study.attachments import CoefficientFile
-from pipeline.study.axes import last
 from pipeline.study.hulls import Hull
 from pipeline.study.schema import StudyFile, Water
 from pipeline.study.settings import Solver
 from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
+from pipeline.study.words import last
 from pipeline.tasks.task import Parameters, canonical, digest
 from solver import scene as physics
 from solver.hydrodynamics.hull.mesh import plates

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from pipeline.study.axes import Axis, labels, last
+from pipeline.study.axes import Axis
 from pipeline.study.paths import unit
+from pipeline.study.words import labels, last
 
 
 class Meaning(NamedTuple):

@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, NamedTuple, NoReturn
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, ValidationError, field_validator, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, field_validator, model_validator
 
+from pipeline.study.ranges import Sampled, listed, refuse_key
 from pipeline.study.tables import (
     Count,
     Label,
     Name,
     NotNegative,
-    Number,
     Positive,
     Seed,
     Table,
     Title,
     Unit,
-    whole_numbers,
 )
+from pipeline.study.words import by_path, labels, last
 
 Support = Literal["elastic", "fixed", "elastic-no-floats"]
 
@@ -39,10 +37,8 @@ TAKEN = frozenset((
 ))  # fmt: skip
 UNCHANGED = object()
 WORD = re.compile(r"([A-Za-z_]\w*)(?: \[([^\[\]]+)\])?")  # length [m]
-LAST = re.compile(r"[^.]*(\.\d+)*$")
 OTHERWISE = {"pto_damping": '"floats.*.pto_damping"', "hinge_spacing": '"floats.NAME.hinge.0", a float\'s x,'}
 UNDOTTED = ("coefficients", "left_out")  # keys of a study itself, in no table: their paths have no dot
-DIGITS = 12  # of a range's numbers, so that 0.1 + 0.2 is written as 0.3
 
 
 class Axis(NamedTuple):
@@ -67,65 +63,6 @@ class Axis(NamedTuple):
         return keys | {words.partition(" ")[0]: labels(values) for words, values in self.beside.items()}
 
 
-class Span(Table):
-    """Numbers between two, all equally likely, or all ratios."""
-
-    start: Annotated[Number, Field(alias="from"), "The first number"]
-    to: Annotated[Number, "The last number"]
-    spacing: Annotated[Literal["linear", "log"], "Equal distances, or equal ratios"] = "linear"
-
-    @model_validator(mode="after")
-    def _has_ratios(self) -> Span:
-        if self.spacing == "log" and not (self.start > 0 and self.to > 0):
-            raise PydanticCustomError("ratios", 'spacing "log" needs numbers > 0')
-        return self
-
-    def at(self, share: np.ndarray) -> tuple[float, ...]:
-        """The numbers at shares (n,) of the way."""
-        low, high = self.start, self.to
-        return _rounded(low * (high / low) ** share if self.spacing == "log" else low + (high - low) * share)
-
-
-class Range(Span):
-    """Numbers at equal distances, or ratios."""
-
-    count: Annotated[Count, "How many, both ends included"]
-
-    @model_validator(mode="after")
-    def _has_both_ends(self) -> Range:
-        if self.count == 1 and self.start != self.to:
-            raise PydanticCustomError("ends", "count must be >= 2, for both ends of the range")
-        return self
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """From the first to the last."""
-        return self.at(np.linspace(0.0, 1.0, self.count))
-
-
-class Normal(Table):
-    """Numbers of a normal distribution."""
-
-    mean: Annotated[Number, "Mean of the normal distribution"]
-    std: Annotated[Positive, "Its standard deviation"]
-
-    def at(self, share: np.ndarray) -> tuple[float, ...]:
-        """The numbers below which shares (n,) lie."""
-        from scipy.special import ndtri  # rarely needed, and slow to import
-
-        return _rounded(self.mean + self.std * ndtri(share))
-
-
-def _form(value: Any) -> str:
-    return "<normal>" if isinstance(value, dict) and value.keys() & {"mean", "std"} else "<span>"
-
-
-Sampled = Annotated[
-    Annotated[Span, Tag("<span>")] | Annotated[Normal, Tag("<normal>")],
-    Discriminator(lambda value: "<normal>" if isinstance(value, Normal) else _form(value)),
-]
-
-
 class Together(Table):
     """Keys that change together, along one dimension; a word that is no key only goes with the labels: length [m]."""
 
@@ -138,16 +75,16 @@ class Together(Table):
     def _gather(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        lists = {key: _listed(key, value) for key, value in _flat(cls, data).items() if key != "name"}
+        lists = {key: listed(key, value) for key, value in _flat(cls, data).items() if key != "name"}
         if len({len(values) for values in lists.values()}) > 1:
             lengths = ", ".join(f"{key} {len(values)}" for key, values in lists.items())
-            _refuse(next(iter(lists)), f"lists of one dimension must be of one length: {lengths}")
+            refuse_key(next(iter(lists)), f"lists of one dimension must be of one length: {lengths}")
         beside, keys = _by_dots(lists)
         _require_paths(beside)
         if strange := [key for key in beside if not WORD.fullmatch(key)]:
-            _refuse(strange[0], 'must be a dotted path, or a word with its unit in brackets: "length [m]"')
+            refuse_key(strange[0], 'must be a dotted path, or a word with its unit in brackets: "length [m]"')
         if not keys:
-            _refuse("name", "needs lists of keys by their dotted paths beside it")
+            refuse_key("name", "needs lists of keys by their dotted paths beside it")
         named = {"name": data["name"]} if "name" in data else {}
         return {**named, "keys": keys, "beside": beside}
 
@@ -176,8 +113,8 @@ class Axes(Table):
         if not isinstance(data, dict):
             return data
         named, paths = _by_dots(_flat(cls, data))
-        named = {key: _listed(key, value) if isinstance(value, dict) else value for key, value in named.items()}
-        return named | {"keys": {path: _listed(path, value) for path, value in paths.items()}}
+        named = {key: listed(key, value) if isinstance(value, dict) else value for key, value in named.items()}
+        return named | {"keys": {path: listed(path, value) for path, value in paths.items()}}
 
     @cached_property
     def over_keys(self) -> tuple[Axis, ...]:
@@ -203,7 +140,7 @@ class Samples(Table):
         named, paths = _by_dots(_flat(cls, data))
         _require_paths(named)
         if not paths:
-            _refuse("", "needs ranges of keys by their dotted paths: { from, to } or { mean, std }")
+            refuse_key("", "needs ranges of keys by their dotted paths: { from, to } or { mean, std }")
         return named | {"keys": paths}
 
     @cached_property
@@ -247,7 +184,7 @@ class Variant(Table):
     def _list(cls, table: Any) -> Any:
         if not isinstance(table, dict):
             return table
-        return {key: _listed(key, value) for key, value in by_path(table, ranges=True).items()}
+        return {key: listed(key, value) for key, value in by_path(table, ranges=True).items()}
 
 
 class Survival(Table):
@@ -293,54 +230,20 @@ def named(axes: Sequence[Axis], others: Collection[str]) -> tuple[Axis, ...]:
     return tuple(axis._replace(name=names[axis.name] if axis.own else axis.name, names=names) for axis in axes)
 
 
-def last(path: str) -> str:
-    """The key at the end of a path, with the place in its list: Hs, hinge.0."""
-    found = LAST.search(path)
-    return found[0] if found else path
-
-
-def by_path(table: Mapping[str, Any], above: str = "", *, ranges: bool = False) -> dict[str, Any]:
-    """Tables in tables as dotted paths; or all but those that are ranges."""
-    flat: dict[str, Any] = {}
-    for key, value in table.items():
-        deeper = isinstance(value, dict) and not (ranges and value.keys() & {"from", "mean"})
-        flat |= by_path(value, f"{above}{key}.", ranges=ranges) if deeper else {f"{above}{key}": value}
-    return flat
-
-
-def labels(values: tuple[Any, ...]) -> tuple[str | float | int, ...]:
-    """Numbers as they are; where one is none, words for all of them."""
-    return values if all(map(_is_number, values)) else tuple(map(word, values))
-
-
-def told(value: Any) -> str | float | int:
-    """A value by itself, as a file has it: a number, or a word."""
-    return value if _is_number(value) else word(value)
-
-
-def word(value: Any) -> str:
-    """Of anything: true, 0.5, [1.0, 2.0]."""
-    return json.dumps(value, default=str) if isinstance(value, bool | list | tuple | dict) else str(value)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
 def implied_sea(axes: Any) -> dict[str, Any] | None:
     """The first values of all keys of the sea, of raw tables that vary some: a sea state without a table of its own."""
     if not isinstance(axes, dict):
         return None
     groups = axes.get("together")
     tables = [axes, *(g for g in (groups if isinstance(groups, list) else ()) if isinstance(g, dict))]
-    found = {key: _listed(key, table[key]) for table in tables for key in table if key.startswith("sea.")}
+    found = {key: listed(key, table[key]) for table in tables for key in table if key.startswith("sea.")}
     return {key.removeprefix("sea."): values[0] for key, values in found.items() if values} or None
 
 
 def _flat(table: type[Table], data: Mapping[str, Any]) -> dict[str, Any]:
     """Keys, of which those that are no field of the table's may be tables in tables: a path without quotes."""
     if "keys" in data:
-        _refuse('"keys"', 'unknown key; a key is varied by its dotted path in quotes, "platform.damping_ratio"')
+        refuse_key('"keys"', 'unknown key; a key is varied by its dotted path in quotes, "platform.damping_ratio"')
     flat: dict[str, Any] = {}
     for key, value in data.items():
         nested = isinstance(value, dict) and key not in table.model_fields
@@ -357,37 +260,8 @@ def _by_dots(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
 def _require_paths(words: Iterable[str]) -> None:
     for word in words:
         if path := OTHERWISE.get(word.partition(" ")[0]):
-            _refuse(word, f"is an axis by itself; here {path} is varied instead")
-
-
-def _rounded(numbers: np.ndarray) -> tuple[float, ...]:
-    return tuple(float(f"{x:.{DIGITS}g}") for x in numbers)
+            refuse_key(word, f"is an axis by itself; here {path} is varied instead")
 
 
 def _length(group: Together) -> int:
     return len(next(iter(group.keys.values())))
-
-
-def _listed(key: str, value: Any) -> tuple[Any, ...]:
-    if isinstance(value, list | tuple):
-        return tuple(value)
-    if not isinstance(value, dict):
-        _refuse(key, "must be a list of values, or { from, to, count, spacing }")
-    if unknown := [name for name in value if name not in ("from", "to", "count", "spacing")]:
-        _refuse(key, f"a range has from, to, count and spacing, and not {unknown[0]}")
-    try:
-        values = Range.model_validate(value).values
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(map(str, first["loc"]))
-        message = "is missing" if first["type"] == "missing" else first["msg"]
-        _refuse(key, f"{place}: {message[0].lower()}{message[1:]}" if place else message)
-    if key.rpartition(".")[2] not in whole_numbers():
-        return values
-    if broken := [number for number in values if not number.is_integer()]:
-        _refuse(key, f"must be whole numbers, and this range has {broken[0]}")
-    return tuple(map(int, values))
-
-
-def _refuse(key: str, limit: str) -> NoReturn:
-    raise PydanticCustomError("unknown_key", "{limit}", {"key": f'"{key}"' if "." in key else key, "limit": limit})

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple, NoReturn, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from pipeline.study.axes import last
 from pipeline.study.inherit import KINDS, of_another_kind
 from pipeline.study.reading import describe, dotted, limit_of
 from pipeline.study.schema import StudyFile, units
 from pipeline.study.tables import Table, answer
+from pipeline.study.words import last
 
 ALL = "*"
 LISTS = ("nodes", "foundation")  # of which each is a list, by name

@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
-from pipeline.study.axes import UNDOTTED, Range
+from pipeline.study.axes import UNDOTTED
 from pipeline.study.inherit import BASE
 from pipeline.study.paths import FIXED
+from pipeline.study.ranges import Range
 from pipeline.study.schema import StudyFile
 from pipeline.study.tables import LARGEST, MOST
 

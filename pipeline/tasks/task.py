@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 from pipeline.study import seas
 from pipeline.study.attachments import Attachment, CoefficientFile
-from pipeline.study.axes import last, told, word
 from pipeline.study.floats import Float
 from pipeline.study.layout import hinge_nodes, spaced
 from pipeline.study.paths import keys_at, with_values
@@ -22,6 +21,7 @@ from pipeline.study.schema import Current, StudyFile, Water
 from pipeline.study.seas import SeaState, Waves
 from pipeline.study.settings import Recording, Solver
 from pipeline.study.tables import Same, Seed, Table, Vector
+from pipeline.study.words import last, told, word
 
 # Raise it when the physics or a default changes: older results then count as stale, not as done.
 MODEL_VERSION = 45
