@@ -10,7 +10,7 @@ from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.edges import jutting, narrowed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.plates import Plates, divisions, of_panels, pieces
-from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.revolution import Revolution, polygon_radius
 from solver.hydrodynamics.hull.surface import merged, mirrored
 
 Hull = Revolution | PanelHull
@@ -52,7 +52,7 @@ def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -
     r, z = _along(hull, arc).T
     z = np.minimum(z, 0.0)  # the waterline may come out above by rounding
     points = np.column_stack([r * np.cos(azimuth), r * np.sin(azimuth), z])
-    points[:, :2] *= _polygon_scale(half)
+    points[:, :2] *= polygon_radius(8 * half)
     # First triangles, then the others: in another order vertices, and all coefficients, have other last digits.
     points[:, 2] *= hull.volume / (4 * sum(surface.volume(points[faces[:, c]]) for c in ([0, 1, 2, 2], [0, 2, 3, 3])))
     return _copied(points, faces, quarters)
@@ -152,7 +152,7 @@ def _disc_lid(hull: Revolution, count: int, quarters: int) -> tuple[np.ndarray, 
     radius = hull.waterplane_radius
     arc, azimuth, faces = _quarter(np.linspace(radius / 2, radius, 1 + (half + 1) // 2), half)
     points = np.column_stack([arc * np.cos(azimuth), arc * np.sin(azimuth), 0 * arc])
-    return _copied(points * _polygon_scale(half), faces, quarters)
+    return _copied(points * polygon_radius(8 * half), faces, quarters)
 
 
 def _lattice_lid(hull: PanelHull, count: int, quarters: int) -> tuple[np.ndarray, np.ndarray]:
@@ -240,12 +240,6 @@ def _lattice(hull: Revolution, count: int) -> tuple[int, list[int]]:
         raise InputError("panels", count, "must be at least 12")
     size = np.sqrt(hull.wetted_area / count) * 1.08  # those at edges and at the pole are smaller
     return max(1, round(np.pi / 4 * hull.largest_radius / size)), divisions(hull, size)
-
-
-def _polygon_scale(half: int) -> float:
-    """Circumscribing factor that gives a polygon of 8 half sides the area of its circle."""
-    step = np.pi / (4 * half)
-    return float(np.sqrt(step / np.sin(step)))
 
 
 def _rings(hull: Revolution, counts: list[int]) -> np.ndarray:
