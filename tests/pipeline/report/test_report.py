@@ -11,7 +11,7 @@ from rich.console import Console
 
 from pipeline.bridge.loading import load
 from pipeline.cli import actions
-from pipeline.report import report, units
+from pipeline.report import published, report, units
 from pipeline.report.published import COLUMNS, read_published
 from pipeline.report.yearly import texts
 from pipeline.results.variables import VARIABLES
@@ -226,7 +226,7 @@ def test_words_that_no_dataset_has_are_refused_all_at_once(tmp_path):
         "row 4 = 'd': variable = 'status': must be an output with numbers",
         "row 5 = 'e': selection platform = 'floating': must be elastic, fixed, elastic-no-floats",
     ]
-    assert report.STATISTICS == STATISTICS
+    assert published.STATISTICS == STATISTICS
 
 
 def test_a_bad_unit_is_refused_before_anything_runs(small, tmp_path):
