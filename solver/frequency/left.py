@@ -19,7 +19,7 @@ from solver.frequency import gaussian
 from solver.frequency.bent import Load
 from solver.frequency.case import NARROW, Case
 from solver.keys import shared
-from solver.record.slow import below
+from solver.record.slow import radiating
 
 ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
 GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std
@@ -33,14 +33,17 @@ def slow_motions(
 ) -> tuple[np.ndarray, np.ndarray]:
     """ω (ne,) and lines X (n, ne), but for their phases, of what is left of loads along axes (nj,) at rates (nl, nj).
 
-    With further damping (n, n). None unless a shape swings below the waves. The slowest goes half a turn in the record.
+    With further damping (n, n). None unless a shape swings below the waves or nothing holds it, which drifts by as
+    much as it does in a record: the slowest goes half a turn in that.
     """
-    model, n = case.model, len(case.model.mass)
-    shapes, least = below(case.system, case.hydrodynamics), np.pi / case.process.duration
-    if not (shapes.omega > least).any():
+    model, n, modes, least = case.model, len(case.model.mass), case.modes, np.pi / case.process.duration
+    highest = case.waves.min(initial=np.inf)
+    slow = modes.omega < highest
+    if not (slow.any() and axes.size and least < highest):
         return np.zeros(0), np.zeros((n, 0), complex)
-    own, highest = shapes.omega, case.waves.min()
-    B = np.einsum("mi,ij,mj->m", shapes.shapes, model.damping + damping, shapes.shapes) + shapes.radiated
+    own, shapes = modes.omega[slow], modes.shapes[:, slow].T
+    radiated = radiating(case.system, case.hydrodynamics, own, shapes)[1]
+    B = np.einsum("mi,ij,mj->m", shapes, model.damping + damping, shapes) + radiated
     near = own[:, None] + np.maximum(B / 2, NARROW * own)[:, None] * np.tan(np.linspace(-1.5, 1.5, EACH))
     edges = np.union1d(np.geomspace(least, highest, EVEN), near[(near > least) & (near < highest)])
     at = 0.5 * (edges[1:] + edges[:-1])
