@@ -44,7 +44,7 @@ class Effect(NamedTuple):
     error: float  # of any mean, rms or std, relative
     extremes: float  # factor by which the largest are to be expected beyond those told
     shaken: float = 0.0  # share of orders above the linear one in tops' displacements or nodes' accelerations, squared
-    wear: float = 1.0  # factor by which more damage is to be expected at the feet than that told
+    wear: float = 1.0  # factor by which more damage, if asked for, is to be expected at the feet than that told
 
 
 class _Law(NamedTuple):
@@ -114,13 +114,12 @@ def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapp
     if not driven.any():
         return Effect(0.0, 1.0)
     shaken = _beyond_waves(platform.X @ tops, waves)
-    error = UNSURE * shaken
     if waves == 1:
-        return Effect(error, 1.0)
+        return Effect(UNSURE * shaken, 1.0)
     if channels.nodes:
         nodes = support.node_shapes.reshape(nm, -1)
-        of_nodes = _beyond_waves(platform.process.omega[:, None] ** 2 * platform.X @ nodes, waves)
-        error, shaken = UNSURE * max(shaken, of_nodes), max(shaken, of_nodes)
+        shaken = max(shaken, _beyond_waves(platform.process.omega[:, None] ** 2 * platform.X @ nodes, waves))
+    error = UNSURE * shaken
     if not np.any(gaussian.spread(driven) ** 2 > LITTLE * std**2):
         return Effect(error, 1.0, shaken)
     top = int(np.argmax(gaussian.spread(driven)))
@@ -138,7 +137,9 @@ def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapp
         level, lines = (channels.steel.compression(y)[:, first] for y in platform.frame)
         part = kept * channels.steel.compression(_forces_by_drag(case, response, p))[:, first]
         bending = _Bending.of(g, level[0], lines, part, Q)
-        error, wear = max(error, _apart(told["bottom_stress"][first], *bending.lacks(g))), bending.wear(g)
+        error = max(error, _apart(told["bottom_stress"][first], *bending.lacks(g)))
+        if "fatigue" in case.system.scene.settings.outputs:
+            wear = bending.wear(g)
     return Effect(error, extremes, shaken, wear)
 
 

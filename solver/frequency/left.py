@@ -25,7 +25,7 @@ ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
 GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std
 OFTEN = 16  # samples of the fastest's period
 PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
-EVEN, EACH = 60, 24  # frequencies below the waves, by their logarithms, and more of them about each resonance
+EVEN, EACH = 60, 24  # frequencies below the waves, by their logarithms, and more of them about any resonance
 
 
 def slow_motions(
@@ -44,13 +44,20 @@ def slow_motions(
     own, shapes = modes.omega[slow], modes.shapes[:, slow].T
     radiated = radiating(case.system, case.hydrodynamics, own, shapes)[1]
     B = np.einsum("mi,ij,mj->m", shapes, model.damping + damping, shapes) + radiated
-    near = own[:, None] + np.maximum(B / 2, NARROW * own)[:, None] * np.tan(np.linspace(-1.5, 1.5, EACH))
-    edges = np.union1d(np.geomspace(least, highest, EVEN), near[(near > least) & (near < highest)])
-    at = 0.5 * (edges[1:] + edges[:-1])
+    at, width = parts(least, highest, EVEN, own, np.maximum(B / 2, NARROW * own))
     Z = model.dynamic_stiffness(at, case.impedance_at(at)) - 1j * at[:, None, None] * damping
     moved = np.linalg.solve(Z, np.eye(n)[:, axes])
     power = np.sum((moved @ spectrum(load, rates, case.omega, at, highest, case.waves.max())) * moved.conj(), axis=2)
-    return at, np.sqrt(2 * np.diff(edges) * power.real.T.clip(min=0.0)).astype(complex)
+    return at, np.sqrt(2 * width * power.real.T.clip(min=0.0)).astype(complex)
+
+
+def parts(low: float, high: float, even: int, own: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (ne,) from `low` to `high`, and what each stands for: even in their logarithms, and dense about
+    resonances (m,) by half of their widths.
+    """
+    near = own[:, None] + half[:, None] * np.tan(np.linspace(-1.5, 1.5, EACH))
+    edges = np.union1d(np.geomspace(low, high, even), near[(near > low) & (near < high)])
+    return 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
 
 
 def spectrum(

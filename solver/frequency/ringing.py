@@ -20,9 +20,9 @@ from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 
 FASTEST = 40.0  # times the fastest wave's frequency, up to which modes are looked at
-EVEN, EACH = 120, 24  # frequencies up to there, by their logarithms, and more of them about each resonance
+EVEN = 120  # frequencies up to there, by their logarithms
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
-HARMONICS = np.arange(2, gaussian.PHASES // 4)
+HARMONICS = np.arange(3, gaussian.PHASES // 4, 2)
 BY_DRAG = np.arange(2, 13)  # in a current even ones, too; of those above accelerations have a hundredth
 
 
@@ -36,7 +36,8 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlat
         return waves
     load, moved = rate_load(law, nc + axes), rates[:, axes]
     if one:
-        omega, force = _harmonics(response.omega, HARMONICS if axes.size else BY_DRAG, gaussian.one_period(moved), load)
+        numbers = np.union1d(HARMONICS if axes.size else BY_DRAG, BY_DRAG if dragged else HARMONICS)
+        omega, force = numbers * of.omega[0], _harmonics(numbers, load(gaussian.one_period(moved)))
         process = gaussian.Process(np.append(of.omega, omega), 2 * np.pi / of.omega[0], begin=0.0)
     else:
         omega, force = _spread(case, response, load, moved)
@@ -45,7 +46,7 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlat
     pushed[:, nm + axes] = -force
     borne = np.zeros((len(omega), frame.lines.shape[1]), complex)
     if dragged and support is not None:
-        of_drag = _of_drag(case, response, np.rint(omega / of.omega[0]))
+        of_drag = _harmonics(numbers, _drag(case, response))
         pushed[:, :nm] = of_drag @ case.stations.shape.T
         borne = support.forces.whole(of_drag @ support.forces.drag) if support.forces is not None else borne
     Y = case.impedance_at(omega)
@@ -85,23 +86,20 @@ def _extremes(
     return furthest
 
 
-def _harmonics(
-    omega: np.ndarray, numbers: np.ndarray, of_period: np.ndarray, load: Load
-) -> tuple[np.ndarray, np.ndarray]:
-    """ω (ne,) and lines (ne, n) of a load that goes by what varies over one wave's period (PHASES, …)."""
-    turned = np.exp(1j * np.outer(numbers, gaussian.PHASE)) * (2 / gaussian.PHASES)
-    return numbers * omega, turned @ load(of_period)
+def _harmonics(numbers: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Lines (ne, n) at so many times a wave's frequency of loads over its period (PHASES, n)."""
+    return np.exp(1j * np.outer(numbers, gaussian.PHASE)) * (2 / gaussian.PHASES) @ load
 
 
-def _of_drag(case: Case, response: Response, numbers: np.ndarray) -> np.ndarray:
-    """Lines (ne, nd ns) [N] of |u|u of the water past the stations of a frame that moves with one wave."""
+def _drag(case: Case, response: Response) -> np.ndarray:
+    """|u|u (PHASES, nd ns) [N] of the water past the stations of a frame that moves with one wave."""
     stations, frame = case.stations, case.system.structure
     flow = stations.flow((-1j * response.omega[:, None] * response.X[:, : frame.omega.size]).T).view(complex)
     u = gaussian.one_period(flow.reshape(1, -1)).reshape(-1, *stations.on)
     if stations.stream is not None:
         u = u + stations.stream
     force = frame.drag * np.linalg.norm(u, axis=1, keepdims=True) * u
-    return _harmonics(response.omega, numbers, force.reshape(len(u), -1), lambda x: x)[1]
+    return np.asarray(force.reshape(len(u), -1))
 
 
 def _spread(case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -119,10 +117,7 @@ def _nodes(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:
     square, shapes = eigh(model.stiffness, model.mass)
     own = np.sqrt(square.clip(min=0.0))
     half = np.maximum(np.sum(shapes * ((model.damping + response.damping) @ shapes), axis=0) / 2, NARROW * own)
-    near = own[:, None] + half[:, None] * np.tan(np.linspace(-1.5, 1.5, EACH))
-    low, high = case.waves.min() / 4, min(far, 2 * own.max())
-    edges = np.union1d(np.geomspace(low, high, EVEN), near[(near > low) & (near < high)])
-    return 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+    return left.parts(case.waves.min() / 4, min(far, 2 * own.max()), EVEN, own, half)
 
 
 def _borne(case: Case, omega: np.ndarray, Y: np.ndarray, X: np.ndarray) -> np.ndarray:

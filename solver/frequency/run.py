@@ -107,7 +107,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         *of_motions(scene, channels.axes, tables),
         *beyond,
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
-        *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear if "fatigue" in scene.settings.outputs else 1.0),
+        *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),
         *pulled(platform.extremes),
         *([NO_BALANCE] if turning.error == UNTOLD else []),
