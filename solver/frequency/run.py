@@ -1,7 +1,8 @@
 """One scene in, one record out, without a march."""
 
-from collections.abc import Iterable, Iterator
-from itertools import chain
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,7 +12,9 @@ from solver.frequency.case import Case, case_of
 from solver.frequency.catenaries import lines_effect
 from solver.frequency.drag_effect import drag_effect
 from solver.frequency.outputs import (
+    Forces,
     OfPlatform,
+    Output,
     bend,
     frame_forces,
     joint_lines,
@@ -47,101 +50,150 @@ from solver.scene import Scene, require_waves
 NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
 CYCLES = 50  # of which rainflow leaves half a cycle
 AT_ONCE = 200  # outputs whose sums over a record are held together
-LEFT_OUT = "displacement_envelope, stress_envelope"  # how the nodes' motions go together in time
+# These are how nodes' motions go together in time.
+NO_TIME = "time: a linear model in the frequency domain has no displacement_envelope, stress_envelope"
 
 
 def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Record:
     """Statistics of the linear model's stationary response over `duration`; series and envelopes it does not have."""
     require_waves(scene)
-    case = case_of(scene, hydrodynamics)
-    law, channels, support = case.law(scene.floats), case.channels, case.system.support
-    response = turned(case, respond_in(case, law))
-    frame = frame_forces(case, response)
-    platform, waves = rung(case, law, response, frame), case.waves.size
-    linear, of_platform = list(outputs(case, response)), list(platform_outputs(case, response, platform))
-    tables = tables_of(case.process, linear) | tables_of(platform.process, of_platform)
-    tables |= dict(of_squares(case, response, platform, law))
-    beyond: Iterable[str] = ()
-    if scene.floats:
-        bend(case, response, law, linear, tables)
-    if response.bends.any():
-        fastest = gaussian.fastest(rate_lines(case, response), case.process)
-        bound(tables, scene, channels, joint_law(scene.floats), fastest)
-        ways = np.stack([0 * fastest, fastest])  # tables are by rate alone
-        beyond = beyond_tables(scene.floats, -ways, ways)
-    drag = response.drag.tops[:waves], response.mean.drag.ravel()
-    mesh, shapes = response.mesh_effect, left_out_effect(case.system, response.X[:waves], *drag)
-    elements = elements_effect(scene, hydrodynamics, support)
-    of_drag = drag_effect(case, response, platform, tables)
-    slipping = _stopped(case, law, response) if response.stuck.any() else []
-    of_lines = lines_effect(case, law, response, tables["line_tension"]) if channels.lines else 0.0
-    errors = {
-        "mesh_effect": mesh,
-        "shapes_effect": shapes,
-        "elements_effect": elements,
-        "law_effect": _law_effect(case, response, scene),
-        "drag_effect": of_drag.error,
-        "linearisation_effect": UNTOLD if slipping else max(response.linearisation_effect, of_lines),
-        "rotation_effect": (turning := rotation_effect(case, law, response, frame, tables)).error,
-    }
-    errors["estimated_error"] = together(errors.values())
+    of = _Solved.of(scene, case_of(scene, hydrodynamics))
+    case, response, channels = of.case, of.response, of.case.channels
+    tables = of.tables()
+    errors, notes = _judged(of, tables)
+    drifting, figures = drift.variables(case, response) if "drift" in scene.settings.outputs else ({}, {})
+    missed = [*unmet(scene, None, errors, hydrodynamics), str(figures.get("unmet", ""))]
     attrs: dict[str, float | str] = {
         **errors,
         **coefficient_errors(hydrodynamics),
+        **figures,
         "drag_rounds": response.rounds,
-        "buckling_factor": support.buckling_factor if support else np.inf,
-        "unmet": "; ".join(unmet(scene, None, errors, hydrodynamics)),
-        "skipped": "; ".join(
-            [
-                f"time: a linear model in the frequency domain has no {LEFT_OUT}",
-                *_unused(scene),
-                *coarser(hydrodynamics),
-            ]
-        ),
+        "buckling_factor": case.system.support.buckling_factor if case.system.support else np.inf,
+        "unmet": "; ".join(filter(None, missed)),
+        "skipped": "; ".join([NO_TIME, *_unused(scene), *coarser(hydrodynamics)]),
         **case.sea_parameters,
     }
-    doubted = () if slipping else doubts(scene.settings, errors)  # which says why by itself
-    if notes := (
+    if notes:
+        attrs["warnings"] = "; ".join(notes)
+    steel = channels.steel
+    return channels.record(
+        tables,
+        attrs,
+        modes=case.modes,
+        rao=of.rao() if scene.settings.rao and channels.axes else None,
+        counted=_counted(steel, of.platform, case.waves.size) if steel is not None and steel.counts else ({}, ()),
+        spectra=of.spectra() if scene.settings.spectra else None,
+        further=drifting | dict(strokes(case, response)) | of.moments(),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """A scene, its case, which scenes share that differ in their laws alone, and the lines of all its outputs."""
+
+    scene: Scene
+    case: Case
+    law: JointLaw
+    response: Response
+    frame: Forces
+    platform: OfPlatform
+    linear: list[Output]
+    of_platform: list[Output]
+
+    @classmethod
+    def of(cls, scene: Scene, case: Case) -> "_Solved":
+        law = case.law(scene.floats)
+        response = turned(case, respond_in(case, law))
+        frame = frame_forces(case, response)
+        platform = rung(case, law, response, frame)
+        of_platform = list(platform_outputs(case, response, platform))
+        return cls(scene, case, law, response, frame, platform, list(outputs(case, response)), of_platform)
+
+    @cached_property
+    def fastest(self) -> np.ndarray:
+        """Rates (nj,) that the joints are to be expected to reach."""
+        return gaussian.fastest(rate_lines(self.case, self.response), self.case.process)
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """Of all outputs, in the order of STATISTICS."""
+        case, response, law, scene = self.case, self.response, self.law, self.scene
+        tables = tables_of(case.process, self.linear) | tables_of(self.platform.process, self.of_platform)
+        tables |= dict(of_squares(case, response, self.platform, law))
+        if scene.floats:
+            bend(case, response, law, self.linear, tables)
+        if response.bends.any():
+            bound(tables, scene, case.channels, joint_law(scene.floats), self.fastest)
+        return tables
+
+    def rao(self) -> np.ndarray:
+        """Of the joints (nw, nj), in the scene's waves; nan of those of zero height."""
+        case = self.case
+        rao = np.full((self.scene.sea.omega.size, case.channels.owner.size), np.nan, complex)
+        rao[case.met] = joint_lines(case, self.response)[: case.waves.size]
+        return rao
+
+    def spectra(self) -> dict[str, Labelled]:
+        """Of all linear outputs, in bands that `duration` resolves."""
+        case, scene = self.case, self.scene
+        at = bands(scene.sea.omega, scene.settings.duration)
+        parts = ((name, lines[: case.waves.size]) for name, _, lines in self.linear + self.of_platform)
+        return case.channels.spectra(at, case.waves, scene.sea.amplitude[case.met], parts)
+
+    def moments(self) -> dict[str, Labelled]:
+        """Spectral moments and rates of upcrossings, where they are asked for."""
+        case, waves = self.case, self.case.waves.size
+        if "moments" not in self.scene.settings.outputs:
+            return {}
+        processes = (case.process, self.linear), (self.platform.process, self.of_platform)
+        return case.channels.moments(
+            {name: _crossed(of, lines, waves) for of, parts in processes for name, _, lines in parts}
+        )
+
+
+def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float], list[str]]:
+    """Estimated errors of the tables, and what is to be warned of."""
+    scene, case, law, response = of.scene, of.case, of.law, of.response
+    h, waves = case.hydrodynamics, case.waves.size
+    drag = response.drag.tops[:waves], response.mean.drag.ravel()
+    of_drag = drag_effect(case, response, of.platform, tables)
+    turning = rotation_effect(case, law, response, of.frame, tables)
+    slipping = _stopped(case, law, response) if response.stuck.any() else []
+    of_lines = lines_effect(case, law, response, tables["line_tension"]) if case.channels.lines else 0.0
+    errors = {
+        "mesh_effect": response.mesh_effect,
+        "shapes_effect": left_out_effect(case.system, response.X[:waves], *drag),
+        "elements_effect": elements_effect(scene, h, case.system.support),
+        "law_effect": _law_effect(case, response, scene),
+        "drag_effect": of_drag.error,
+        "linearisation_effect": UNTOLD if slipping else max(response.linearisation_effect, of_lines),
+        "rotation_effect": turning.error,
+    }
+    errors["estimated_error"] = together(errors.values())
+    notes = [
         *case.warnings,
         *idle(scene),
-        *of_motions(scene, channels.axes, tables),
-        *beyond,
+        *of_motions(scene, case.channels.axes, tables),
+        *_beyond_tables(of),
         *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
         *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),
-        *pulled(platform.extremes),
+        *pulled(of.platform.extremes),
         *([NO_BALANCE] if turning.error == UNTOLD else []),
         *unresolved(case, response),
         *slipping,
         *above(scene, tables, errors["estimated_error"]),
-        *cautions(hydrodynamics),
-        *doubted,
-    ):
-        attrs["warnings"] = "; ".join(notes)
-    rao = None
-    if scene.settings.rao and channels.axes:
-        rao = np.full((scene.sea.omega.size, channels.owner.size), np.nan, complex)
-        rao[case.met] = joint_lines(case, response)[:waves]
-    spectra = None
-    if scene.settings.spectra:
-        at = bands(scene.sea.omega, scene.settings.duration)
-        parts = ((name, lines[:waves]) for name, _, lines in linear + of_platform)
-        spectra = channels.spectra(at, case.waves, scene.sea.amplitude[case.met], parts)
-    drifting: dict[str, Labelled] = {}
-    if "drift" in scene.settings.outputs:
-        drifting, figures = drift.variables(case, response)
-        said = (str(of.get("unmet", "")) for of in (attrs, figures))
-        attrs |= figures | {"unmet": "; ".join(note for note in said if note)}
-    counted = None
-    if channels.steel is not None and channels.steel.counts:
-        counted = _counted(channels.steel, platform, waves)
-    further = drifting | dict(strokes(case, response))
-    if "moments" in scene.settings.outputs:
-        each = ((output, case.process) for output in linear), ((output, platform.process) for output in of_platform)
-        further |= channels.moments({name: _crossed(of, lines, waves) for (name, _, lines), of in chain(*each)})
-    return channels.record(
-        tables, attrs, modes=case.modes, rao=rao, counted=counted or ({}, ()), spectra=spectra, further=further
-    )
+        *cautions(h),
+        *(() if slipping else doubts(scene.settings, errors)),  # that something slips says why by itself
+    ]
+    return errors, notes
+
+
+def _beyond_tables(of: _Solved) -> tuple[str, ...]:
+    """Rates beyond those that laws are given for: tables are by rate alone."""
+    if not of.response.bends.any():
+        return ()
+    ways = np.stack([0 * of.fastest, of.fastest])
+    return tuple(beyond_tables(of.scene.floats, -ways, ways))
 
 
 def _counted(steel: Steel, platform: OfPlatform, waves: int) -> tuple[dict[str, Labelled], tuple[str, ...]]:
