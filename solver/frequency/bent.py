@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from solver.frequency import gaussian
+from solver.frequency.shape import warped
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import JointLoads, bent, joint_loads
 from solver.statistics import moments
@@ -39,25 +40,32 @@ def _loads(law: JointLaw, axes: np.ndarray, rates: np.ndarray) -> JointLoads:
     return joint_loads(law, np.zeros(every.shape), every)
 
 
-def borne_table(load: Load, V: np.ndarray, usual: np.ndarray, F: np.ndarray, of: gaussian.Process) -> np.ndarray:
+def borne_table(
+    load: Load, V: np.ndarray, usual: np.ndarray, F: np.ndarray, of: gaussian.Process, kappa: np.ndarray
+) -> np.ndarray:
     """(n, 5) of forces that are linear but for -f(v), of which their lines F (nl, n) and statistics have -cv, (n, 5).
 
-    c = ⟨fv⟩/⟨v²⟩ of a Gaussian rate or one harmonic. Of waves whose phases are known, those of the sum. Else what c
-    leaves goes with nothing linear, σ² = σ_F² + ⟨(f - cv)²⟩, and extremes are those of the cycle in which the rate is
-    largest: all that is linear, F + cv, has a part in phase with v and one a quarter turn off.
+    c = ⟨fv⟩/⟨v²⟩ of a Gaussian rate or one harmonic. Of waves whose phases are known, those of the sum. Else, of a rate
+    with the kurtosis κ (n,) beyond a Gaussian's, what c leaves goes with nothing linear, σ² = σ_L² + ⟨(f - cv)²⟩, and
+    extremes are those of the cycle in which the rate is largest: all that is linear, L = F + cv, has a part in phase
+    with v and one a quarter turn off.
     """
     mean, sigma = usual[:, 2], gaussian.spread(V)
     variance = np.where(sigma > 0, sigma**2, 1.0)
-    one = len(V) == 1
+    one, size = len(V) == 1, np.sqrt(variance)
     v, weights = (gaussian.one_period(V), ONE) if one else (gaussian.SIZES[:, None] * sigma, gaussian.WEIGHTS)
     f = load(v)
     c = weights @ (f * v) / variance
     if (rates := of.sampled(V)) is not None and (linear := of.sampled(F)) is not None:
-        return moments(mean + linear - linear.mean(axis=0) + c * rates - load(rates))  # of loads that may jump
-    std = np.sqrt(usual[:, 4] ** 2 + gaussian.WEIGHTS @ (f - c * v) ** 2)
-    L, fastest = F + c * V, gaussian.table(np.zeros(len(c)), V, of)[:, 0]
+        level = mean + linear - linear.mean(axis=0) + c * rates
+        return moments(level - load(rates if one else size * warped(rates / size, kappa)))  # of loads that may jump
+    v = sigma * warped(gaussian.SIZES[:, None], kappa)
+    f, L = load(v), F + c * V
+    c = gaussian.WEIGHTS @ (f * v) / variance
+    std = np.sqrt(gaussian.spread(L - c * V) ** 2 + gaussian.WEIGHTS @ (f - c * v) ** 2)
+    fastest = size * warped(gaussian.table(np.zeros(len(c)), V, of)[None, :, 0] / size, kappa)[0]
     phase = 0.5 * np.sum((L * V.conj()).real, axis=0) / variance
-    off = gaussian.spread(L - phase * V) * fastest / np.sqrt(variance)
+    off = gaussian.spread(L - phase * V) * fastest / size
     cycle = phase * fastest * COS - load(fastest * COS) + off * SIN
     return np.stack([mean + cycle.max(axis=0), mean + cycle.min(axis=0), mean, np.hypot(mean, std), std], axis=-1)
 

@@ -101,7 +101,8 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
         if name in tables and axes.size:
             at = owner[axes], [order.index(channels.names[j]) for j in axes]
             usual, lines = tables[name][at], of_lines[name][:, *at]
-            tables[name][at] = borne_table(of(law, nc + axes), rates[:, axes], usual, lines, case.process)
+            at_rate = of(law, nc + axes), rates[:, axes]
+            tables[name][at] = borne_table(*at_rate, usual, lines, case.process, response.excess[axes])
 
 
 def of_squares(case: Case, response: Response, platform: OfPlatform, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:

@@ -50,6 +50,7 @@ ROUNDING = 1e-12  # of the largest variance
 # take goes with their cube.
 CURVED, LARGEST = 48, 96
 MANY, BINS = 40, 12  # waves that stand for all of a sea, and frequencies for their differences
+HOLE = 0.5  # of what waves are apart: where their differences leave so much out, these are few
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
 
 
@@ -70,7 +71,15 @@ class _Swinging(NamedTuple):
     levers: np.ndarray  # ∂ᵢJ φ (6nb, nz)
     curvature: np.ndarray  # (3nz, 3nz)
     pairs: np.ndarray  # (2, np)
-    band: np.ndarray  # g (np,) [s/rad] of each
+    apart: np.ndarray  # (np,) their frequencies [rad/s]
+    band: np.ndarray | None  # g (np,) [s/rad] of each; None where differences leave the shape's own frequency out
+
+    def seen(self, B: float) -> np.ndarray:
+        """g (np,) by damping B: of waves that are few, or evenly spaced, by |H|² at each."""
+        if self.band is not None:
+            return self.band
+        H = 1 / (self.omega**2 - self.apart**2 - 1j * B * self.apart)
+        return np.asarray(2 * B * self.omega**2 / np.pi * np.abs(H) ** 2)
 
 
 def turned(case: Case, response: Response) -> Response:
@@ -219,7 +228,7 @@ def slow_motions(case: Case, response: Response, swinging: Iterable[tuple[_Swing
         return variance
     added = _added(case, case.waves, response.X[:waves], response.wrench[:waves])
     for of, B in swinging:
-        S = _spectrum(of, case.waves, response.Z[:waves], added)
+        S = _spectrum(of, of.seen(B), case.waves, response.Z[:waves], added)
         variance += np.pi * S / (2 * B * of.omega**2) * of.shape**2
     return np.sqrt(variance)
 
@@ -231,7 +240,7 @@ def _added(case: Case, omega: np.ndarray, X: np.ndarray, wrench: np.ndarray) -> 
     return np.asarray(wrench.reshape(len(X), -1) - still)
 
 
-def _spectrum(of: _Swinging, omega: np.ndarray, z: np.ndarray, added: np.ndarray) -> float:
+def _spectrum(of: _Swinging, band: np.ndarray, omega: np.ndarray, z: np.ndarray, added: np.ndarray) -> float:
     """S of its load at its own frequency, one-sided: ½ Σ |f|² g over the pairs of waves omega (nw,),
 
     f = ½ (z⋆b + b⋆z + s⋆Hs) of two waves' z, s and b = W' on levers, the second ones conjugate. added: W' (nw, 6nb).
@@ -240,7 +249,7 @@ def _spectrum(of: _Swinging, omega: np.ndarray, z: np.ndarray, added: np.ndarray
     first = np.concatenate([z, borne, states @ of.curvature], axis=1)[of.pairs[0]]
     second = np.concatenate([borne, z, states], axis=1)[of.pairs[1]]
     f = 0.5 * np.einsum("pi,pi->p", first, second.conj())
-    return float(0.5 * np.abs(f) ** 2 @ of.band)
+    return float(0.5 * np.abs(f) ** 2 @ band)
 
 
 def _states(omega: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -264,11 +273,18 @@ def _swinging(case: Case) -> tuple[_Swinging, ...]:
         begin, end = np.searchsorted(omega[order], [omega + own - REACH * width, omega + own + REACH * width])
         higher = order[np.concatenate([np.arange(*ends) for ends in zip(begin, end, strict=True)])]
         pairs = np.stack([higher, np.repeat(np.arange(omega.size), end - begin)])
-        off = (np.subtract(*omega[pairs]) - own) / width
-        band = np.exp(-0.5 * off**2) / (width * np.sqrt(2 * np.pi))
+        apart = np.subtract(*omega[pairs])
+        off = (apart - own) / width
+        band = None if _left_out(off) else np.exp(-0.5 * off**2) / (width * np.sqrt(2 * np.pi))
         curvature = np.tensordot(along, curves, 1)
-        found.append(_Swinging(own, shape, radiated, levers, curvature, pairs, band))
+        found.append(_Swinging(own, shape, radiated, levers, curvature, pairs, apart, band))
     return tuple(found)
+
+
+def _left_out(off: np.ndarray) -> bool:
+    """Whether those (np,) next to zero on either side are far from each other."""
+    above, below = (side[side >= 0].min(initial=np.inf) for side in (off, -off))
+    return bool(above + below > HOLE)
 
 
 @lru_cache(maxsize=MODELS)

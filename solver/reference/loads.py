@@ -377,10 +377,16 @@ def _reaction(force: np.ndarray, lever: np.ndarray) -> np.ndarray:
 
 
 def _excitation(scene: Scene, h: Hydrodynamics) -> np.ndarray:
-    """Linear wave loads (nb nr, n) [N] of all components: diffraction, and Froude-Krylov of linear floats."""
-    s, total = scene.settings, np.zeros((scene.sea.omega.size, len(scene.floats) * len(h.dofs)), complex)
+    """Linear wave loads (nb nr, n) [N] of all components: diffraction, and Froude-Krylov of linear floats.
+
+    Waves of zero height may lie beyond the frequencies solved for.
+    """
+    s, sea = scene.settings, scene.sea
+    total = np.zeros((sea.omega.size, len(scene.floats) * len(h.dofs)), complex)
+    if not (met := np.abs(sea.amplitude) > 0).any():
+        return total.T
     if s.diffraction:
-        total += h.excitation(scene.sea.omega, "diffraction")
+        total[met] += h.excitation(sea.omega[met], "diffraction")
     if s.froude_krylov == "linear":
-        total += h.excitation(scene.sea.omega, "froude_krylov")
-    return (total * scene.sea.amplitude[:, None]).T
+        total[met] += h.excitation(sea.omega[met], "froude_krylov")
+    return (total * sea.amplitude[:, None]).T

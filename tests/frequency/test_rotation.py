@@ -338,6 +338,20 @@ def test_what_swings_below_the_waves_is_told_though_no_line_has_it(spar):
     assert marched > 5 * heave(record) and "rotation_effect" in record.attrs["warnings"]
 
 
+def test_evenly_spaced_waves_have_few_differences(spar):
+    """Between which the spar swings: a spectrum would say 2.4 times as much."""
+    item, h = spar
+    seas = [
+        realize(PiersonMoskowitz(Hs=0.6, Tp=5.46), components=20, band=(0.7, 3.4), seed=seed, intervals="even")
+        for seed in (1, 2, 3)
+    ]
+    lines = replace(item, sea=seas[0], settings=replace(item.settings, method="frequency"))
+    case, response = case_of(lines, h), respond(lines, h)
+    expected = np.hypot(slow_motions(case, response, resonant(case, response))[0], heave(simulate(lines, h)))
+    marched = np.sqrt(np.mean([heave(simulate(replace(item, sea=waves), h)) ** 2 for waves in seas]))
+    assert expected == approx(marched, rel=0.3)
+
+
 @pytest.mark.slow
 def test_it_grows_with_the_waves_height_squared_and_one_wave_has_none(spar):
     item, h = spar
@@ -397,8 +411,10 @@ def test_the_load_of_two_waves_is_what_the_assembled_loads_make_of_their_motions
     rate, rng = -1j * case.waves[:, None], np.random.default_rng(1)
     X = 1e-3 * (rng.normal(size=(2, len(model.mass))) + 1j * rng.normal(size=(2, len(model.mass))))
     still = sum(np.einsum("wn,bdn->wbd", rate**k * X, slope) for k, slope in enumerate(model.wrench))
-    alone = swinging._replace(pairs=np.array([[1], [0]]), band=np.ones(1))
-    told = rotation._spectrum(alone, case.waves, X @ model.shape.T, rotation._added(case, case.waves, X, still))
+    alone = swinging._replace(pairs=np.array([[1], [0]]))
+    told = rotation._spectrum(
+        alone, np.ones(1), case.waves, X @ model.shape.T, rotation._added(case, case.waves, X, still)
+    )
     t = np.arange(400) * 4 * np.pi / 400  # two turns of one wave and three of the other
     s = [(np.exp(np.outer(t, rate[:, 0])) @ (rate**k * X @ model.shape.T)).real for k in range(3)]
     z, body = case.system.equilibrium[0], case.system.bodies

@@ -243,6 +243,16 @@ def test_accuracy_reference_turns_every_approximation_off(coefficients):
     assert record.attrs["discretization_error"] > 0 and record.attrs["constraint_drift"] <= 1e-10
 
 
+def test_a_model_let_go_in_still_water_asks_for_no_wave(coefficients):
+    """Of 1 rad/s, below all that a small body is solved for."""
+    high = coefficients.omega > 1.1
+    names = ("omega", "added_mass", "radiation_damping", "diffraction", "froude_krylov")
+    few = replace(coefficients, error=None, **{name: getattr(coefficients, name)[high] for name in names})
+    given = scene(items=floats(offset=0.05), duration=2.0, sea=CALM, froude_krylov="linear", ramp=0.0)
+    fast, slow = both(given, few, **alike(given, few))
+    assert apart("rotation", slow, fast) < 1e-6
+
+
 def test_convolution_tells_what_damping_of_few_frequencies_asks_for(coefficients):
     """Added mass other than theirs: against the response to one wave by what they say."""
     some = np.arange(coefficients.omega.size) % 3 == 1

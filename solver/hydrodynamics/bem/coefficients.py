@@ -250,7 +250,9 @@ def _require_solved(h: Hydrodynamics, omega: np.ndarray) -> None:
     low, high = h.omega[[0, -1]]
     # A band that ends on the grid may miss it by rounding.
     if not np.all((omega >= low * (1 - 1e-9)) & (omega <= high * (1 + 1e-9))):
-        raise InputError("omega", (omega.min(), omega.max()), f"must be within {low:.6g} to {high:.6g} rad/s")
+        raise InputError(
+            "omega", (float(omega.min()), float(omega.max())), f"must be within {low:.6g} to {high:.6g} rad/s"
+        )
 
 
 @lru_cache(maxsize=SEAS)
