@@ -153,8 +153,8 @@ def _of_inertia(item: Float, water: Water) -> Iterator[str]:
 
 def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
     """Sentences for a frame that buckles or bends too far at rest, for its member that is thickest beside waves, for
-    those that lie in still water's surface, for its thinnest tube that is utilised, for numbers as of other units,
-    and for feet clamped in mid-water.
+    those that lie in still water's surface or that nothing loads there, for its thinnest tube that is utilised, for
+    numbers as of other units, for members given twice, and for feet clamped in mid-water.
     """
     # With scipy's parts, for scenes with a platform alone.
     from solver.structure import in_water, slenderness, slips, tubular
@@ -164,12 +164,15 @@ def _of_platform(scene: Scene, platform: Platform) -> Iterator[str]:
     yield from in_water.too_soft(*still)
     waves = wave_field(scene.sea, water.depth, water.gravity, scene.current)
     yield from slenderness.too_thick(still[0], waves, lacking=1.0 if platform.wave_inertia == "relative" else 0.0)
+    rough = bool(np.any(scene.sea.amplitude))
+    yield from in_water.unloaded(platform.frame, waves=rough, current=scene.current is not None)
     if platform.wave_stretching == "none":
         yield from in_water.left_dry(platform.frame)
     if "utilisation" in scene.settings.outputs:
         yield from tubular.too_thin(platform.frame.members)
     yield from slips.of_materials(platform.frame.members)
     yield from slips.of_growth(platform.frame)
+    yield from slips.of_twins(platform.frame.members)
     yield from slips.on_feet(platform.frame, platform.load_histories)
     yield from _in_mid_water(platform.frame, water.depth)
 

@@ -9,6 +9,7 @@ import pytest
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.scene import Float, Platform, Scene, Settings, Water
+from tests.awkward import unequal_legs
 
 BALL = Revolution.sphere(radius=2.0, draft=1.0)  # widest above still water
 FREE = {"hull": BALL, "mass": 1e4, "inertia": (1e4,) * 3, "hinge": (0.0, 0.0, 0.0), "motion": ("heave",)}
@@ -18,6 +19,12 @@ def one(**changes):
     return Float(name="a", **FREE | changes)
 
 
+def carried(**changes):
+    """On a platform, of which the hinge's node may be another."""
+    whole = unequal_legs()[0]
+    return replace(whole, platform=replace(whole.platform, **changes))
+
+
 def two(apart, **changes):
     return Scene(water=Water(depth=50.0), floats=(one(**changes), replace(one(), name="b", hinge=(apart, 0.0, 0.0))))
 
@@ -25,6 +32,8 @@ def two(apart, **changes):
 @pytest.mark.parametrize(
     ("build", "message"),
     [
+        (lambda _: carried(hinge_nodes={"float": "nose"}), "platform.hinge_nodes = nose: must be a node of the frame"),
+        (lambda _: carried(hinge_nodes={"float": "deck"}), "and must where float is hinged, at (-1.5, 0, 3)"),
         (lambda _: Water(depth=-1.0), "water.depth = -1.0: must be > 0 m"),
         (lambda _: Water(depth=np.nan), "water.depth = nan: must be > 0 m"),
         (lambda _: Water(depth=1.0, density=np.inf), "water.density = inf: must be finite kg/m3"),

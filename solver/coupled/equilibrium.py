@@ -22,6 +22,7 @@ from solver.multibody.zones import zones_at_rest
 STEP = 1e-5  # of differences [m or rad]: what curvature and rounding leave is below 1e-8
 SLOW = 1e-6  # of differences by rates [m/s or rad/s]: quadratic damping is nothing there, rounding 1e-9
 SETTLED = 1e-12  # last change of a coordinate [m or rad]
+WANDERS, IDLE = 1e-9, 10  # of a stride, and rounds in which it does not halve: on a soft structure rounding leaves that
 UNHELD = 1e-6  # of the weights, that may be left out of balance
 ANGLES = 100  # at which it is looked whether a joint is pushed back to its rest
 ROUNDING = 2e-12  # of the weights, in loads that cancel
@@ -116,6 +117,7 @@ def equilibrium(
     """
     nc, nm = carrier.shape
     z, p = np.zeros(body.mechanism.size), np.zeros(nm)
+    least, idle = np.inf, 0
     for _ in range(ROUNDS):
         before = z.copy()
         if z.size > nc:
@@ -123,7 +125,8 @@ def equilibrium(
         p = (carrier.T @ balance(body, z)[0][:nc] + steady) / omega**2
         z[:nc] = carrier @ p
         moved = np.abs(z - before).max(initial=0.0)
-        if moved < SETTLED:
+        least, idle = (moved, 0) if moved < least / 2 else (least, idle + 1)
+        if moved < SETTLED or (idle >= IDLE and moved < WANDERS * stride):
             return z, p
     raise SimulationFailed(
         f"no static equilibrium of floats and structure: they still move by {moved:.2g} m or rad after {ROUNDS} rounds;"

@@ -139,7 +139,8 @@ def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapp
         bending = _Bending.of(g, level[0], lines, part, Q)
         error = max(error, _apart(told["bottom_stress"][first], *bending.lacks(g)))
         if "fatigue" in case.system.scene.settings.outputs:
-            wear = bending.wear(g)
+            # What is even in the drag, in a current, makes one sense larger and the other smaller: no range changes.
+            wear = bending.wear(g._replace(even=0.0))
     return Effect(error, extremes, shaken, wear)
 
 

@@ -13,6 +13,7 @@ from solver.hydrodynamics.hull.mesh import PANELS, panel_side
 from solver.hydrodynamics.hull.meshfile import KEY
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import ON_SEABED, stands
+from solver.hydrodynamics.hull.surface import point_text
 from solver.hydrodynamics.hull.swing import Stroke, meeting
 from solver.scene.arrangement import is_planar, lines_mirrored, on_others, out_of_place, unlisted
 from solver.scene.floats import STARTS, Float
@@ -25,6 +26,7 @@ from solver.sea.realization import CALM, Realization
 from solver.structure.frame import Frame
 from solver.structure.tubular import may_be_utilised, of_no_metal, resistance
 
+MISPLACED = 1e-6  # of a frame's size, that a hinge may lie off its node
 FINEST = 200  # shares of its width that a gap is looked for by
 MOST_STEPS = 10_000_000  # of one run: 23 days of sea at the default step
 STEPS = 9  # in the shortest period that a scene has to follow
@@ -241,6 +243,19 @@ class Scene:
                 yield InputError("floats.name", f.name, f"given {names.count(f.name)} times, must be unique")
             if self.platform and f.name not in self.platform.hinge_nodes:
                 yield InputError("platform.hinge_nodes", f.name, "no node carries this float's hinge")
+            elif self.platform:
+                yield from self._misplaced(f, self.platform)
+
+    def _misplaced(self, f: Float, platform: Platform) -> Iterator[InputError]:
+        """A hinge whose node is not there, or elsewhere."""
+        key, node, nodes = "platform.hinge_nodes", platform.hinge_nodes[f.name], platform.frame.nodes
+        if node not in nodes:
+            yield InputError(key, node, f"must be a node of the frame, which carries the hinge of {f.name}")
+            return
+        place, size = np.array(nodes[node]), np.ptp(list(nodes.values()), axis=0).max()
+        if not np.linalg.norm(place - f.hinge) <= MISPLACED * size:
+            hinged = point_text(np.array(f.hinge))
+            yield InputError(key, node, f"lies at {point_text(place)}, and must where {f.name} is hinged, at {hinged}")
 
     @property
     def sharing(self) -> tuple[tuple[Float, ...], ...]:

@@ -60,8 +60,9 @@ def too_thick(model: FrameModel, field: WaveField, lacking: float = 0.0) -> Iter
     if worst is not None and worst.excess > LET_PASS:
         shortest = SHORTEST * worst.diameter
         period = 2 * np.pi / frequency(2 * np.pi / shortest, field.depth, field.gravity)
+        growth = " with marine growth" if model.frame.growth else ""
         yield (
-            f"platform.members.{worst.name}, {worst.diameter:.3g} m in diameter with marine growth: Morison's equation"
+            f"platform.members.{worst.name}, {worst.diameter:.3g} m in diameter{growth}: Morison's equation"
             f" does not hold in waves shorter than {SHORTEST:g} diameters, {shortest:.3g} m or {period:.3g} s,"
             f" and in this sea the std of its inertia load is {worst.excess:.0%} too large (MacCamy and Fuchs 1954)"
         )

@@ -63,5 +63,16 @@ def _growth(frame: Frame, member: Member) -> tuple[float, float]:
 
 def on_feet(frame: Frame, histories: Iterable[LoadHistory]) -> Iterator[str]:
     """A sentence for loads on nodes that are clamped."""
-    for node in dict.fromkeys(history.node for history in histories if history.node in frame.clamped):
-        yield f"platform.load_histories: {node} is clamped, where a load moves nothing: is the node another?"
+    for key, loads in (("loads", frame.loads), ("load_histories", histories)):
+        for node in dict.fromkeys(load.node for load in loads if load.node in frame.clamped):
+            yield f"platform.{key}: {node} is clamped, where a load moves nothing: is the node another?"
+
+
+def of_twins(members: Iterable[Member]) -> Iterator[str]:
+    """A sentence for members that lie in each other, between the same two ends."""
+    first: dict[frozenset[tuple[str, tuple[float, ...]]], str] = {}
+    for m in members:
+        ends = frozenset([(m.start, m.start_offset), (m.end, m.end_offset)])
+        if (other := first.setdefault(ends, m.name)) != m.name:
+            where = f"platform.members.{m.name}: lies in {other}, between the same nodes"
+            yield f"{where}, and adds its stiffness to that: is it given twice?"

@@ -8,6 +8,7 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
+from solver.coupled import equilibrium
 from solver.coupled.blocks import _stability
 from solver.coupled.equilibrium import righting
 from solver.coupled.linear import linear_model
@@ -378,3 +379,18 @@ def test_a_power_take_off_that_pushes_a_float_away_is_refused(by):
         require_stable(falls)
     told = [float(x) for x in re.findall(r"(\S+) (?:N per metre|of water|of the power)", str(caught.value))]
     assert told == approx([-0.1 * K, K, -1.1 * K], rel=5e-3)
+
+
+def test_what_rounding_leaves_of_a_soft_structure_s_rest_is_a_rest(monkeypatch):
+    """It moves that by more than a stiffer one is asked to have settled to."""
+    item, h = SCENES["unequal_legs"]()
+    system = prepare(item, h)
+    frame = system.structure
+    soft = system.bodies, frame.omega / 5, frame.carrier, np.zeros(frame.omega.size), 1.0
+    usual = equilibrium.equilibrium(*soft)
+    monkeypatch.setattr(equilibrium, "SETTLED", 0.0)
+    for one, other in zip(equilibrium.equilibrium(*soft), usual, strict=True):
+        assert one == approx(other, abs=1e-10)
+    monkeypatch.setattr(equilibrium, "WANDERS", 0.0)
+    with pytest.raises(SimulationFailed, match="they still move by"):
+        equilibrium.equilibrium(*soft)

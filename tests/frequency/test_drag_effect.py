@@ -190,6 +190,17 @@ def test_damage_in_swell_that_drag_drives_is_told():
     assert march > 2 * told and 0.5 < factor / (march / told) < 2
 
 
+@pytest.mark.parametrize("speed", [0.5, 1.0])
+def test_a_current_takes_damage_by_drag_back(speed):
+    """It makes crests larger and troughs smaller, and no range: 4 times was warned of."""
+    item = replace(pile(rough(2.5)), current=Current(speed=speed, direction=SLANTED))
+    settings = {"duration": 3600.0, "discard": 100.0, "outputs": ("fatigue",), "froude_krylov": "linear"}
+    both = [simulate(replace(item, settings=Settings(method=m, **settings)), None) for m in ("time", "frequency")]
+    march, told = (record.variables["damage"][1].max() for record in both)
+    said = re.search("within a factor of 2, ([0-9.]+) times the damage", both[1].attrs["warnings"])
+    assert 0.5 < (float(said[1]) if said else 1.0) / (march / told) < 2
+
+
 @pytest.mark.parametrize("case", [(legs, 1.0, rough(0.5)), (legs, 0.0), (floating, 1.0), (pile_in_current, 2.0, 0.8)])
 def test_little_drag_leaves_little(case):
     item, h = case[0](*case[1:])

@@ -7,8 +7,10 @@ import pytest
 
 from solver.errors import InputError
 from solver.oddities import warnings
+from solver.sea.current import Current
+from solver.sea.realization import CALM
 from solver.structure.load_history import LoadHistory
-from solver.structure.members import MarineGrowth
+from solver.structure.members import MarineGrowth, PointLoad
 from solver.structure.sections import general
 from tests.awkward import bare_legs
 
@@ -75,6 +77,57 @@ def test_a_load_on_a_foot_is_told(clamped):
     loaded = replace(item, platform=replace(item.platform, load_histories=(history, history)))
     texts = [text for text in warnings(loaded) if text.startswith(f"platform.load_histories: {node} is clamped")]
     assert len(texts) == clamped
+
+
+@pytest.mark.parametrize("clamped", [True, False])
+def test_a_constant_load_on_a_foot_is_told(clamped):
+    frame = bare_legs()[0].platform.frame
+    node = frame.clamped[0] if clamped else "deck"
+    assert len(told("platform.loads", loads=(PointLoad(node=node, force=(1e6, 0.0, 0.0)),))) == clamped
+
+
+def test_a_member_in_another_is_told():
+    first, *others = bare_legs()[0].platform.frame.members
+    again = replace(first, name="again", start=first.end, end=first.start)
+    assert len(told("platform.members.again: lies in a,", members=(first, *others, again))) == 1
+    beside = replace(again, start_offset=(0.0, 0.5, 0.0))
+    assert not told("platform.members.again", members=(first, *others, beside))
+
+
+@pytest.mark.parametrize(
+    ("bare", "current", "sentence"),
+    [
+        ((), True, None),
+        (("a",), False, "platform.members.a: in water without"),
+        (("a", "b", "c"), False, "platform.members.a and 2 more: all that is in water is without"),
+    ],
+)
+def test_members_that_no_wave_loads_are_told(bare, current, sentence):
+    """Of what is in water; an arm above it is none of them, and in still water nothing is missed."""
+    item, _ = bare_legs()
+    none = {"drag_coefficient": 0.0, "inertia_coefficient": 1.0}
+    frame = item.platform.frame
+    members = tuple(replace(m, **none) if m.name in bare else m for m in frame.members)
+    item = replace(
+        item,
+        platform=replace(item.platform, frame=replace(frame, members=members)),
+        current=Current(speed=1.0) if current else None,
+    )
+    texts = [text for text in warnings(item) if "pass through it" in text or text.startswith("current:")]
+    assert [text.startswith(sentence) for text in texts] == [True] if sentence else not texts
+    assert not [text for text in warnings(replace(item, sea=CALM, current=None)) if "pass through it" in text]
+
+
+def test_a_current_that_nothing_drags_on_is_told():
+    item, _ = bare_legs()
+    frame = item.platform.frame
+    smooth = tuple(replace(m, drag_coefficient=0.0) for m in frame.members)
+    item = replace(item, platform=replace(item.platform, frame=replace(frame, members=smooth)))
+    told = [
+        any(text.startswith("current: no member") for text in warnings(replace(item, current=current)))
+        for current in (None, Current(speed=1.0))
+    ]
+    assert told == [False, True]
 
 
 @pytest.mark.parametrize(("area", "refused"), [(0.19, False), (0.2, True)])
