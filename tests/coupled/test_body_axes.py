@@ -97,7 +97,7 @@ def test_loads_are_lagrange_s_of_the_water_s_energy():
     assert np.abs(in_space - moving).max() > 0.1 * np.abs(lagrange).max()
 
 
-@pytest.mark.parametrize("linear", [True, False])
+@pytest.mark.parametrize("linear", [True, pytest.param(False, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ["flap", "oblique"])
 def test_the_augmented_formulation_agrees(name, linear):
     scene, h = awkward.SCENES[name]()

@@ -204,7 +204,7 @@ RUNG = ("section_force", "section_moment", "fibre_stress", "bottom_stress", "top
 @pytest.mark.parametrize(
     ("law", "waves", "damage"),
     [
-        ({"coulomb": 2e3}, None, (0.5, 1.3)),
+        pytest.param({"coulomb": 2e3}, None, (0.5, 1.3), marks=pytest.mark.slow),
         ({"quadratic_damping": 1e6, "pto_damping": 0.0}, None, (0.3, 1.3)),
         ({"coulomb": 2e3}, regular(height=0.5, period=5.0, heading=np.pi / 6), (0.6, 1.4)),
     ],

@@ -53,6 +53,7 @@ def afloat(added):
     return lambda mu: -1j * mu[:, None, None] * added
 
 
+@pytest.mark.slow
 def test_energy_far_off_is_that_of_rotors_and_dampers():
     """To the error of a coarse mesh of the barge, whose edges count: 2 %, and 1.2 % with twice as many panels."""
     record = records()[0]

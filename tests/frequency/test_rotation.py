@@ -367,7 +367,8 @@ def test_it_grows_with_the_waves_height_squared_and_one_wave_has_none(spar):
     assert slow(one).max() == 0.0
 
 
-@pytest.mark.parametrize("times", [50.0, pytest.param(500.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("times", [50.0, 500.0])
 def test_what_heavy_dampers_let_creep_below_the_waves_is_told(times):
     """Of ducks on a moored barge, against the march of waves 20 times lower, in which they creep by nothing."""
     item = rotors()

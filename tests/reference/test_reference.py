@@ -253,6 +253,7 @@ def test_a_model_let_go_in_still_water_asks_for_no_wave(coefficients):
     assert apart("rotation", slow, fast) < 1e-6
 
 
+@pytest.mark.slow
 def test_convolution_tells_what_damping_of_few_frequencies_asks_for(coefficients):
     """Added mass other than theirs: against the response to one wave by what they say."""
     some = np.arange(coefficients.omega.size) % 3 == 1

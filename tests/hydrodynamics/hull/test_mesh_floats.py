@@ -103,7 +103,7 @@ def test_linear_barge_off_its_reference_point_rests_level():
         ),
     ],
 )  # fmt: skip
-@pytest.mark.parametrize("sea", [CALM, regular(height=0.2, period=3.0)])
+@pytest.mark.parametrize("sea", [pytest.param(CALM, marks=pytest.mark.slow), regular(height=0.2, period=3.0)])
 def test_linear_lopsided_hulls_move_alike_on_both_paths(centre, cog, joint, sea):
     """Buoyancy and weight, both off the reference point, balance at the same attitude: calm water leaves it there."""
     hull = PanelHull.of(*box((2.0, 3.0, 1.5), centre))

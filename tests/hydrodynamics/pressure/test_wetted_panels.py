@@ -67,7 +67,7 @@ def test_wheeler_pressure_vanishes_at_the_surface():
     assert force[2] == approx(RHO_G * 3 * 2 * 0.6, rel=1e-12)
 
 
-@pytest.mark.parametrize("wheeler", [False, True])
+@pytest.mark.parametrize("wheeler", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_second_order_towards_the_quadrature_of_revolution(wheeler):
     along, error = np.array([18, 36, 72]), np.zeros(3)
     hulls = [meshed(BUAN, int(n)) for n in along]

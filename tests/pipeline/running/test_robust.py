@@ -104,7 +104,7 @@ def test_a_task_that_hangs_is_stopped_and_the_others_go_on(tmp_path, results, co
 INTERRUPTED = "interrupted; finished tasks are kept, and the same command goes on from here\n"
 
 
-@pytest.mark.parametrize(("times", "workers"), [pytest.param(1, 1, marks=pytest.mark.slow), (1, 2), (2, 2)])
+@pytest.mark.parametrize(("times", "workers"), [*(pytest.param(1, n, marks=pytest.mark.slow) for n in (1, 2)), (2, 2)])
 def test_ctrl_c_says_what_is_kept_in_one_line(tmp_path, times, workers):
     """A terminal sends it to workers as well. The second one waits for nobody."""
     pause = "1" if times == 1 else "300"
