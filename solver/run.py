@@ -27,7 +27,7 @@ from solver.record.probe import Probe, sharpest_bend
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
 from solver.record.slow import SlowShare
-from solver.record.starting import from_rest
+from solver.record.starting import from_rest, left_over
 from solver.record.turning import turning
 from solver.record.unknown import without_unknown
 from solver.remarks import beyond_tables, of_motions
@@ -187,7 +187,8 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         *turning(system, channels, tables),
         *beyond,
         *late,
-        *recorder.settling.notes(channels),
+        *(settling := list(recorder.settling.notes(channels))),
+        *(() if settling else left_over(system, hydrodynamics)),
         *from_rest(system, hydrodynamics),
         *above(scene, tables, attrs["estimated_error"], attrs["stored_energy_change"]),
         *cautions(hydrodynamics),

@@ -1,4 +1,4 @@
-"""How much a record in a random sea lacks of a lasting sea's motions, for it began at rest.
+"""What a record has of its start: how much it lacks of a lasting sea's motions, and what it has besides.
 
 A shape of unit inertia whose resonance is among the waves and that is damped by B has, a time t after waves have set
 in, 1 - exp(-Bt) of the variance that it will have. A record from t₁ on, of duration T, so lacks on average
@@ -6,10 +6,16 @@ in, 1 - exp(-Bt) of the variance that it will have. A record from t₁ on, of du
     exp(-Bt₁) (1 - exp(-BT))/(BT)
 
 of what resonates; less where damping is quadratic, and so less at first. In one wave the record tells by itself: see
-settling.
+settling. A shape that no wave is near, of frequency ω₀, goes with them, q = Σ φᵀCX exp(-iωt)/ω₀². With z = q + iq'/ω₀
+of that the ramp r(t) leaves
+
+    e(t) = c exp(-(½B + iω₀)t),    c = -∫ exp((½B + iω₀)s) r'(s) z(s) ds,
+
+which adds ½|c|² exp(-Bt₁) (1 - exp(-BT))/(BT) to the variance.
 """
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,39 +26,109 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.record.response import in_waves
 from solver.record.sampling import least_motion
 from solver.record.slow import radiating, unradiated
+from solver.scene import Settings
+from solver.sea.realization import ramp
 from solver.statistics import FAINT
 
 LACKS = 0.05  # of a std: what is said
 WELL = 0.01  # of it: what the discard leaves that is told
+LEFT = 0.01  # of a std: what is said of the start's own swinging
+LONG = 10.0  # times 1/B: after that nothing is left of it
+OFTEN = 20  # instants of a ramp, in the shortest period
 WIDTHS = 2.0  # of a resonance, B, to either side, which have 84 % of it
+
+
+class _Begun(NamedTuple):
+    """Shapes (m, n) of unit inertia, some of the system's."""
+
+    own: np.ndarray  # (m,) [rad/s]
+    shapes: np.ndarray
+    B: np.ndarray  # (m,) [1/s]
+    names: list[str]
+
+    @classmethod
+    def of(cls, system: System, h: Hydrodynamics | None, which: np.ndarray) -> "_Begun":
+        modes = system_modes(system, h)
+        own, shapes = modes.omega[which], modes.shapes[:, which].T
+        B = np.maximum(unradiated(system, h, shapes) + radiating(system, h, own, shapes)[1], 0.0)
+        return cls(own, shapes, B, [name for name, here in zip(modes.names, which, strict=True) if here])
+
+    def lasts(self, begin: float, duration: float) -> np.ndarray:
+        """Mean (m,) of exp(-Bt) over a record."""
+        of = np.maximum(self.B * duration, 1e-9)
+        return np.asarray(np.exp(-self.B * begin) * -np.expm1(-of) / of)
+
+    def near(self, omega: np.ndarray) -> np.ndarray:
+        """Which of waves (nw,) are by each shape's resonance (m, nw)."""
+        return np.abs(omega - self.own[:, None]) <= WIDTHS * self.B[:, None]
+
+    def said(self, k: int) -> str:
+        """Name and period of one."""
+        return f"{self.names[k]}, {2 * np.pi / self.own[k]:.3g} s,"
+
+
+def _moving(system: System, squares: np.ndarray) -> np.ndarray:
+    """Which coordinates (n,) waves move at all, of Σ|X|² (n,)."""
+    moves = linear_model(system).length * np.sqrt(squares)
+    return np.asarray(moves > max(FAINT * moves.max(), least_motion(system.scene)))
+
+
+def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
+    """A sentence for the shape by whose swinging on any coordinate's std is above the waves' by most, if by LEFT."""
+    s, sea = system.scene.settings, system.scene.sea
+    met, modes = sea.amplitude != 0, system_modes(system, h)
+    if not (met.any() and (modes.omega > 0).any()):
+        return
+    of, omega = _Begun.of(system, h, modes.omega > 0), sea.omega[met]
+    on = ~of.near(omega).any(axis=1) & (of.B * max(s.discard - s.ramp, 0.0) < LONG)
+    if not on.any():
+        return
+    of = _Begun(of.own[on], of.shapes[on], of.B[on], [of.names[k] for k in np.flatnonzero(on)])
+    X = in_waves(system, h).X[met]
+    q = X @ (linear_model(system).stiffness @ of.shapes.T) / of.own**2
+    share = 0.5 * (np.abs(_kicked(of, omega, q, s)) ** 2 * of.lasts(s.discard, s.duration))[:, None] * of.shapes**2
+    squares = np.sum(np.abs(X) ** 2, axis=0)
+    share = share[:, used := _moving(system, squares)] / (0.5 * squares[used])
+    k, j = np.unravel_index(share.argmax(), share.shape)
+    std, ends = np.sqrt(1 + share[k, j]) - 1, "nothing damps it"
+    if std > LEFT:
+        if of.B[k] > 0:
+            enough = s.discard + np.log(share[k, j] / (2 * WELL)) / of.B[k]
+            ends = f"discard = {enough:.2g} leaves {WELL:.0%}"
+        yield f"{of.said(k)} still swings as the start made it: a std is some {std:.1%} above a lasting sea's; {ends}"
+
+
+def _kicked(of: _Begun, omega: np.ndarray, q: np.ndarray, s: Settings) -> np.ndarray:
+    """c (m,) of shapes that waves omega (nw,) move by q (nw, m)."""
+    count = int(np.ceil(s.ramp * OFTEN * max(omega.max(), of.own.max()) / (2 * np.pi))) + 1
+    edges = np.linspace(0.0, s.ramp, count + 1)
+    at, rise = (edges[1:] + edges[:-1]) / 2, np.diff(ramp(edges, s.ramp, s.ramp_form))
+    if not s.ramp:
+        at, rise = np.zeros(1), np.ones(1)
+    turning = np.exp(-1j * np.outer(at, omega))
+    z = (turning @ q).real + 1j * (turning @ (-1j * omega[:, None] * q)).real / of.own
+    return np.asarray(-np.sum(np.exp(np.outer(at, of.B / 2 + 1j * of.own)) * rise[:, None] * z, axis=0))
 
 
 def from_rest(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     """A sentence for the shape by which any coordinate's std lacks most, if that is more than LACKS."""
     s, sea = system.scene.settings, system.scene.sea
-    met = sea.amplitude != 0
-    modes = system_modes(system, h)
+    met, modes = sea.amplitude != 0, system_modes(system, h)
     inside = (modes.omega > sea.omega[met].min(initial=np.inf)) & (modes.omega < sea.omega[met].max(initial=0.0))
     if not inside.any():
         return
-    own, shapes = modes.omega[inside], modes.shapes[:, inside].T
-    B = unradiated(system, h, shapes) + radiating(system, h, own, shapes)[1]
-    lasts, since = np.maximum(B * s.duration, 1e-9), max(s.discard - s.ramp, 0.0)
-    lacking = np.exp(-B * since) * -np.expm1(-lasts) / lasts
+    of, since = _Begun.of(system, h, inside), max(s.discard - s.ramp, 0.0)
+    lacking = of.lasts(since, s.duration)
     if not np.any(lacking > LACKS):
         return
     size = np.abs(in_waves(system, h).X) ** 2
-    total = size.sum(axis=0)
-    moves = linear_model(system).length * np.sqrt(total)
-    used = moves > max(FAINT * moves.max(), least_motion(system.scene))
-    near = np.abs(sea.omega - own[:, None]) <= WIDTHS * B[:, None]
-    lost = lacking * np.max((near @ size)[:, used] / total[used], axis=1, initial=0.0)
+    used = _moving(system, total := size.sum(axis=0))
+    lost = lacking * np.max((of.near(sea.omega) @ size)[:, used] / total[used], axis=1, initial=0.0)
     k = int(lost.argmax())
     std = 1 - np.sqrt(1 - lost[k])
     if std > LACKS:
-        enough = s.ramp + since + np.log(lost[k] / (2 * WELL)) / B[k]
-        name = [name for name, here in zip(modes.names, inside, strict=True) if here][k]
+        enough = s.ramp + since + np.log(lost[k] / (2 * WELL)) / of.B[k]
         yield (
-            f"{name}, {2 * np.pi / own[k]:.3g} s, begins at rest and takes {1 / B[k]:.2g} s to swing as it will in"
+            f"{of.said(k)} begins at rest and takes {1 / of.B[k]:.2g} s to swing as it will in"
             f" these waves: a std is some {std:.0%} below a lasting sea's; discard = {enough:.2g} leaves {WELL:.0%}"
         )

@@ -1,4 +1,4 @@
-"""What a record in a random sea lacks of its motions for it began at rest, is told."""
+"""What a record lacks of its motions for it began at rest, and what it has besides, is told."""
 
 from dataclasses import replace
 from functools import cache
@@ -10,10 +10,10 @@ from pytest import approx
 from solver.coupled.preparation import prepare
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.record import starting
-from solver.record.starting import from_rest
+from solver.record.starting import from_rest, left_over
 from solver.run import simulate
 from solver.scene import Float
-from solver.sea.realization import CALM, regular
+from solver.sea.realization import CALM, components, regular
 from solver.statistics import STATISTICS
 from tests.awkward import RHO, known, scene, sea
 
@@ -73,6 +73,34 @@ def test_nothing_is_said_of_what_is_damped_nor_of_one_wave_or_none():
     assert notes(*spar(3e3)) == [] and notes(*spar(100.0, 5e4)) == []
     one = regular(height=0.5, period=6.0)
     assert notes(replace(item, sea=one), h) == [] and notes(replace(item, sea=CALM), h) == []
+
+
+@pytest.mark.parametrize("waves", [(0.75,), (0.7, 1.4)], ids=["one", "two"])
+@pytest.mark.parametrize("ramp", [{"ramp": 10.0}, {"ramp": 25.0, "ramp_form": "cosine"}, {"ramp": 0.0}], ids=str)
+def test_what_the_start_leaves_of_a_shape_s_own_swinging_is_told(waves, ramp):
+    """Within a fifth of what marches have besides a lasting sea's std; and the discard that leaves a hundredth."""
+    item, h = spar(20.0)
+    few = components(amplitude=np.full(len(waves), 0.2), omega=np.array(waves), phase=np.arange(len(waves)) * 1.0)
+    settings = replace(item.settings, duration=400.0, **ramp)
+    item = replace(item, sea=few, settings=settings)
+    (note,) = left_over(prepare(item, h), h)
+    lasting = simulate(replace(item, settings=replace(settings, method="frequency")), h)
+    record = simulate(item, h)
+    std = [each.variables["motion"][1][0, 0, STATISTICS.index("std")] for each in (record, lasting)]
+    assert std[0] / std[1] - 1 == approx(told(note), rel=0.2)
+    assert any(text in record.attrs["warnings"] for text in (note, "is not periodic yet"))
+    discard = float(note.split("discard = ")[1].split()[0])
+    assert not list(left_over(prepare(replace(item, settings=replace(settings, discard=1.05 * discard)), h), h))
+    less = replace(item, settings=replace(settings, discard=0.9 * discard))
+    assert list(left_over(prepare(less, h), h)) and 1.05 * discard > item.settings.discard
+
+
+def test_nothing_is_said_of_a_start_in_still_water_nor_of_what_is_damped():
+    for item, h in (spar(20.0), spar(3e3)):
+        few = components(amplitude=np.full(2, 0.2), omega=np.array([0.7, 1.4]), phase=np.zeros(2))
+        damped = item.floats[0].damping == (3e3,)
+        system = prepare(replace(item, sea=few if damped else CALM), h)
+        assert not list(left_over(system, h))
 
 
 def test_a_shape_that_moves_by_rounding_alone_lacks_nothing():
