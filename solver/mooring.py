@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.quantities import Quantity, of_no_unit, out_of_range, require_ranges
+from solver.quantities import Quantity, of_no_unit, out_of_range, require_ranges, take_tuples
 
 if TYPE_CHECKING:  # with the compiler, which takes 0.3 s to import: the command line needs scenes but rarely lines
     from solver.catenary import Lines
@@ -32,6 +32,7 @@ class Line:
     EA: Annotated[float, Quantity("N", above=0), "Stiffness: tension over strain"]
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         require_ranges(self, "lines")
 
 
@@ -123,6 +124,7 @@ class Mooring:
     ] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         refuse(self._shapes())
         refuse(out_of_range(self, "mooring"))
         refuse(self._meaning())

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.quantities import Quantity, out_of_range
+from solver.quantities import Quantity, out_of_range, take_tuples
 
 MOST_POINTS = 500  # each of which may cut a step in two
 ROUNDING = 1e-9  # of the largest load
@@ -53,6 +53,7 @@ class PtoTable:
     finer: Annotated["PtoTable | None", "The law that it stands for, by more points"] = None
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         refuse(out_of_range(self, "pto_table"))
         refuse(self._problems())
 

@@ -86,6 +86,24 @@ def out_of_range(inputs: Any, key: str) -> Iterator[InputError]:
             yield InputError(f"{key}.{name}", value, limit)
 
 
+def take_tuples(inputs: Any) -> None:
+    """Tuples in place of lists and arrays among inputs, by which scenes are told apart."""
+    for name in _names(type(inputs)):  # type: ignore[arg-type]  # mypy: its instances' __hash__
+        if isinstance(value := getattr(inputs, name), (list, np.ndarray)):
+            object.__setattr__(inputs, name, _tuple(value))
+
+
+def _tuple(value: Any) -> Any:
+    """Of a list or an array, and of those in it."""
+    value = value.tolist() if isinstance(value, np.ndarray) else value
+    return tuple(map(_tuple, value)) if isinstance(value, (list, tuple)) else value
+
+
+@lru_cache
+def _names(inputs: type) -> list[str]:
+    return [f.name for f in fields(inputs)]
+
+
 def require_ranges(inputs: Any, key: str) -> None:
     """Refuse inputs of which a field is outside its range."""
     refuse(out_of_range(inputs, key))

@@ -1,14 +1,17 @@
 """What a scene's inputs refuse: key, value and limit of all that is wrong with them, before anything runs."""
 
 import pickle
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 import pytest
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
-from solver.scene import Float, Platform, Scene, Settings, Water
+from solver.mooring import Mooring
+from solver.scene import EndStops, Float, Platform, Scene, Settings, Water
+from solver.sea.current import Current, CurrentSpeed
+from solver.structure.frame import Frame
 from tests.awkward import unequal_legs
 
 BALL = Revolution.sphere(radius=2.0, draft=1.0)  # widest above still water
@@ -88,3 +91,29 @@ def test_all_that_is_wrong_with_an_input_is_told_at_once():
     error = pickle.loads(pickle.dumps(caught.value))
     keys = [problem.key for problem in (error, *error.others)]
     assert keys == ["floats.a.mass", "floats.a.damping", "floats.a.offset", "floats.a.inertia"]
+
+
+def with_lists(inputs):
+    """With a list or an array wherever it has a tuple."""
+    given = {f.name: getattr(inputs, f.name) for f in fields(inputs) if f.init}
+    for name, value in given.items():
+        if isinstance(value, tuple):
+            each = [with_lists(one) if is_dataclass(one) else one for one in value]
+            given[name] = np.array(each) if each and all(isinstance(x, float) for x in each) else each
+        elif isinstance(value, Platform | Frame | Settings | Current | EndStops):
+            given[name] = with_lists(value)
+    return replace(inputs, **given)
+
+
+def test_lists_and_arrays_are_tuples():
+    """By which scenes are known again: a hash of a list is none, and was told so in the middle of a run."""
+    whole = unequal_legs()[0]
+    stops = EndStops(lower=(-0.4,), upper=(0.4,), stiffness=(1e6,))
+    held = replace(whole.floats[0], end_stops=stops, stiffness=(2.0,))
+    rows = tuple(map(tuple, np.eye(6).tolist()))
+    assert hash(Mooring(stiffness=np.eye(6))) == hash(Mooring(stiffness=rows))
+    current = Current(profile=(CurrentSpeed(depth=0.0, speed=1.0),))
+    whole = replace(whole, floats=(held,), current=current, settings=replace(whole.settings, outputs=("pto_force",)))
+    loose = with_lists(whole)
+    assert loose == whole and hash(loose.floats) == hash(whole.floats) and hash(loose.settings) == hash(whole.settings)
+    assert hash(loose.platform.frame) == hash(whole.platform.frame) and hash(loose.current) == hash(current)

@@ -12,7 +12,7 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.swing import Jointed, Stroke
 from solver.mooring import SIX, AxisMooring, Line, Mooring, line_loads, none
 from solver.power_takeoff import PtoEfficiency, PtoTable
-from solver.quantities import PerAxis, Quantity, out_of_range
+from solver.quantities import PerAxis, Quantity, out_of_range, take_tuples
 from solver.rigid import inertia_tensor, is_of_a_body
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -28,6 +28,9 @@ class EndStops:
     upper: Annotated[PerAxis, Quantity("rad or m"), "Position above which a stop pushes"]
     stiffness: Annotated[PerAxis, Quantity("N m/rad or N/m", least=0), "Of the stops"]
     damping: Annotated[PerAxis, Quantity("N m s/rad or N s/m", least=0), "Of the stops, while they push"] = 0.0
+
+    def __post_init__(self) -> None:
+        take_tuples(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,6 +117,7 @@ class Float:
     offset: Annotated[PerAxis, Quantity("rad or m"), "From equilibrium, where the float is let go at t = 0"] = 0.0
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         key = f"floats.{self.name}"
         tables = [(name, getattr(self, name)) for name in ("end_stops", "pto_efficiency")]
         within = [e for name, table in tables if table is not None for e in out_of_range(table, f"{key}.{name}")]

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.quantities import Quantity, out_of_range
+from solver.quantities import Quantity, out_of_range, take_tuples
 from solver.scene.water import Water
 from solver.structure.frame import Frame
 from solver.structure.load_history import LoadHistory, in_plane
@@ -80,6 +80,7 @@ class Platform:
     load_histories: tuple[LoadHistory, ...] = ()
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         members = [member.name for member in self.frame.members]
         strange = [(i, leg) for i, leg in enumerate(self.legs) if leg not in members]
         unknown = [InputError(f"platform.legs[{i}]", leg, f"must be one of {', '.join(members)}") for i, leg in strange]

@@ -15,6 +15,7 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import ON_SEABED, stands
 from solver.hydrodynamics.hull.surface import point_text
 from solver.hydrodynamics.hull.swing import Stroke, meeting
+from solver.quantities import take_tuples
 from solver.scene.arrangement import is_planar, lines_mirrored, on_others, out_of_place, unlisted
 from solver.scene.floats import STARTS, Float
 from solver.scene.platform import Platform
@@ -46,6 +47,7 @@ class Scene:
     settings: Settings = field(default_factory=Settings)
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         refuse(self._problems())
 
     def _problems(self) -> Iterator[InputError]:

@@ -10,7 +10,7 @@ from solver.hydrodynamics.hull.mesh import PANELS
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.standing import stands
-from solver.quantities import Quantity, require_ranges
+from solver.quantities import Quantity, require_ranges, take_tuples
 
 OfSteel = Literal[
     "reactions",
@@ -171,6 +171,7 @@ class Settings:
     ] = None
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         require_ranges(self, "settings")
         if self.tolerance is not None and self.paths.formulation == "augmented":
             raise InputError("settings.tolerance", self.tolerance, "chooses the knobs of the standard paths only")

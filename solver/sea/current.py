@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.quantities import Quantity, out_of_range
+from solver.quantities import Quantity, out_of_range, take_tuples
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +34,7 @@ class Current:
     ] = 0.0
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         refuse(self._problems())
 
     def _problems(self) -> Iterator[InputError]:

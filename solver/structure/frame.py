@@ -10,7 +10,7 @@ import numpy as np
 import scipy  # its parts are imported when first used: the command line needs frames but rarely their matrices
 
 from solver.errors import InputError, refuse
-from solver.quantities import of_no_unit, out_of_range
+from solver.quantities import of_no_unit, out_of_range, take_tuples
 from solver.rigid import lever
 from solver.structure import beam
 from solver.structure.members import ROUNDING, MarineGrowth, Member, PointLoad, PointMass, Vector
@@ -46,6 +46,7 @@ class Frame:
         return repr(self)  # of a hundred elements, as dear as all else that a task asks of caches
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         refuse(self._coordinate_problems())
         refuse(self._name_problems())
         refuse(self._growth_problems())

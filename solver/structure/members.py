@@ -8,7 +8,7 @@ from typing import Annotated, Literal, get_args
 import numpy as np
 
 from solver.errors import InputError, refuse
-from solver.quantities import Quantity, out_of_range, require_ranges
+from solver.quantities import Quantity, out_of_range, require_ranges, take_tuples
 from solver.rigid import inertia_tensor, is_of_a_body, lever
 from solver.structure.sections import Section, between
 
@@ -89,6 +89,7 @@ class Member:
     )  # fmt: skip
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         refuse(self._problems(f"members.{self.name}"))
 
     def _problems(self, key: str) -> Iterator[InputError]:
@@ -174,6 +175,7 @@ class PointMass:
     ] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         key = f"masses.{self.node}"
         require_ranges(self, key)
         if not is_of_a_body(self.tensor):
@@ -202,6 +204,7 @@ class PointLoad:
     force: Annotated[Vector, Quantity("N"), "Constant force, along the global axes"]
 
     def __post_init__(self) -> None:
+        take_tuples(self)
         if np.shape(self.force) != (3,) or not np.all(np.isfinite(self.force)):
             raise InputError(f"loads.{self.node}", self.force, "must be three finite forces [N]")
 

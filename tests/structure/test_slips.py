@@ -11,7 +11,7 @@ from solver.sea.current import Current
 from solver.sea.realization import CALM
 from solver.structure.load_history import LoadHistory
 from solver.structure.members import MarineGrowth, PointLoad
-from solver.structure.sections import general
+from solver.structure.sections import general, tube
 from tests.awkward import bare_legs
 
 
@@ -108,6 +108,7 @@ def test_members_that_no_wave_loads_are_told(bare, current, sentence):
     none = {"drag_coefficient": 0.0, "inertia_coefficient": 1.0}
     frame = item.platform.frame
     members = tuple(replace(m, **none) if m.name in bare else m for m in frame.members)
+    members = tuple(replace(m, section=tube(0.4, 0.02)) if m.name == "arm" else m for m in members)
     item = replace(
         item,
         platform=replace(item.platform, frame=replace(frame, members=members)),
