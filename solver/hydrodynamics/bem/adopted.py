@@ -14,7 +14,16 @@ import scipy  # ndimage is slow to import, and few runs have coefficients from a
 
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.bem import agreement
-from solver.hydrodynamics.bem.coefficients import DOFS, LACKING, PLANAR, ROUGHLY, Hydrodynamics, MeshError, symmetric
+from solver.hydrodynamics.bem.coefficients import (
+    DOFS,
+    LACKING,
+    PLANAR,
+    ROUGHLY,
+    STANDS_OUT,
+    Hydrodynamics,
+    MeshError,
+    symmetric,
+)
 from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import KEY, Given, about
 from solver.hydrodynamics.bem.incident import Sea
@@ -28,6 +37,9 @@ TOLD = 1e-3  # relative, to which water and heading must be those of the study
 PUSHED = 1e-3  # of the largest wave force along a float's axes: less along another is none
 CURVES = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")  # the last is known exactly
 SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do at least
+MANY = 12  # frequencies from which it is judged whether one stands out
+HARDLY = 0.05  # of what ωA says, of damping
+SPIKE = 0.05, 4.0  # of a curve's largest, and times the next, by which one frequency misses a curve without it
 BESIDE = 2  # frequencies on each side by which that is told
 
 
@@ -92,10 +104,12 @@ def adopted(
     # With A and B as lopsided as they are told: half of what is between their halves.
     other = replace(six, points=centres - doubt, added_mass_inf=added + unsure, radiation_damping=damping + lacks)
     perhaps = _curves(about(other, centres), expected, index, told)
-    there = np.isin(index, moved)
+    there, second = np.isin(index, moved), _left_out(h, 2)
+    if sentence := _standing_out(h, second, there, names):
+        h = replace(h, settings=MappingProxyType({**h.settings, STANDS_OUT: sentence}))
     pushed = there | (told & (np.arange(told.size) % 6 < 3))[index]  # joints bear forces along what they hold
     judged = {name: np.outer(there, there) for name in curves} | {"diffraction": pushed}
-    error = {n: off + judged[n] * (perhaps[n] - curves[n]) for n, off in _between(h)._asdict().items()}
+    error = {n: off + judged[n] * (perhaps[n] - curves[n]) for n, off in _between(h, second)._asdict().items()}
     # What the file's mesh does to the incident wave's force it does as much to the other.
     error["diffraction"] += pushed * _incident_misfit(six, floats, expected)[:, index]
     return replace(h, error=MeshError(**error))
@@ -154,15 +168,42 @@ def _curves(six: Given, expected: np.ndarray, index: np.ndarray, told: np.ndarra
     }
 
 
-def _between(h: Hydrodynamics) -> MeshError:
+def _standing_out(h: Hydrodynamics, missed: dict[str, np.ndarray], there: np.ndarray, names: Sequence[str]) -> str:
+    """What one frequency alone says of a motion (n,), and those beside it do not; nothing where none does."""
+    worst, sentence, (least, times) = 0.0, "", SPIKE
+    if len(h.omega) < MANY:
+        return ""
+    inertia = np.diagonal(h.added_mass, axis1=1, axis2=2)
+    words = {"added_mass": "added mass", "radiation_damping": "damping", "diffraction": "wave force"}
+    for name, off in missed.items():
+        each = off, getattr(h, name)
+        error, curve = (x if x.ndim == 2 else np.diagonal(x, axis1=1, axis2=2) for x in each)
+        size = np.abs(curve).max(axis=0)
+        if name == "radiation_damping":  # that is little beside what is accelerated matters little
+            size = np.maximum(size, HARDLY * np.abs(h.omega[:, None] * inertia).max(axis=0))
+        share = np.abs(error) / np.maximum(size, np.finfo(float).tiny)
+        for j in np.flatnonzero(there):
+            w = int(share[:, j].argmax())
+            others = np.delete(share[:, j], slice(max(w - 1, 0), w + 2))
+            if share[w, j] > max(least, worst, times * others.max(initial=0.0)):
+                b, k = divmod(int(j), len(h.dofs))
+                worst = float(share[w, j])
+                sentence = (
+                    f"at {h.omega[w]:.4g} rad/s the {words[name]} of {names[b]} along {h.dofs[k]} is {worst:.0%} of its"
+                    " largest off what the frequencies beside it say: is it a slip, an irregular frequency, or does water ring there?"
+                )
+    return sentence
+
+
+def _between(h: Hydrodynamics, second: dict[str, np.ndarray]) -> MeshError:
     """What the curves may be off between a file's frequencies, of which alone it tells; its mesh is not known.
 
-    Curves through every other one miss r₂, through every fourth r₄: those through all miss as much less than r₂ as that
-    is less than r₄, about each frequency. Of smooth ones it is SPACED of r₂; of a frequency that stands out, and of
-    waves between bodies that turn by more than half from one to the next, all of it.
+    Curves through every other one miss r₂, `second`, through every fourth r₄: those through all miss as much less than
+    r₂ as that is less than r₄, about each frequency. Of smooth ones it is SPACED of r₂; of a frequency that stands out,
+    and of waves between bodies that turn by more than half from one to the next, all of it.
     """
     error = {"added_mass_inf": np.zeros_like(h.added_mass_inf)}
-    second, fourth = _left_out(h, 2), _left_out(h, 4)
+    fourth = _left_out(h, 4)
     for name, missed in second.items():
         size, before = (
             scipy.ndimage.maximum_filter1d(np.abs(x), 2 * BESIDE + 1, axis=0) for x in (missed, fourth[name])

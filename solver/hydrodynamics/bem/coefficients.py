@@ -27,6 +27,7 @@ PLANAR = ("surge", "heave", "pitch")
 LACKING = "lacking"  # the setting that has the columns, of six a body, that a file does not tell
 UNJUDGED = "unjudged"  # setting with what of a file was not
 ROUGHLY = "roughly"  # setting with what of a file goes with the rest as far as its mesh does
+STANDS_OUT = "stands out"  # setting with what of a file is unlike frequencies beside it
 EACH_ALONE = "each alone"  # what the settings say of bodies that do not interact
 ROUGH = 3  # order of the divided differences by which a curve is rough
 RESOLVED = 1e-3  # of the largest singular value: poles too broad to be told from a smooth rest are left to that
@@ -278,7 +279,7 @@ def coarser(h: Hydrodynamics | None) -> list[str]:
 
 def cautions(h: Hydrodynamics | None) -> list[str]:
     """What could not be held against the hulls of a file's numbers, and what its mesh has of errors."""
-    notes = [h.settings.get(key, "") for key in (UNJUDGED, ROUGHLY)] if h is not None else []
+    notes = [h.settings.get(key, "") for key in (UNJUDGED, ROUGHLY, STANDS_OUT)] if h is not None else []
     return [f"coefficients: {note}" for note in notes if note]
 
 
