@@ -13,6 +13,7 @@ import ctypes
 import hashlib
 import json
 import os
+import secrets
 import shlex
 import shutil
 import time
@@ -30,6 +31,7 @@ from pipeline.results.status import Status, read_json, read_status
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import Task
 
+WRITER = f"{os.getpid()}-{secrets.token_hex(4)}"  # two containers that share a folder may number processes alike
 MANY = 4  # files from which on one flush of the file system is sooner done than one for each
 _syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)  # Linux alone has it
 
@@ -130,7 +132,7 @@ def write_atomic(path: Path, data: bytes) -> None:
 
 
 def _partial(path: Path) -> Path:
-    return path.with_name(f".{path.name}.{os.getpid()}.part")
+    return path.with_name(f".{path.name}.{WRITER}.part")
 
 
 def _part(path: Path, data: bytes) -> tuple[Path, Path]:

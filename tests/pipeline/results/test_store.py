@@ -2,9 +2,11 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
+from functools import partial
 
 import pytest
 
@@ -41,6 +43,15 @@ def test_a_crash_while_writing_leaves_the_old_file(tmp_path, monkeypatch, step):
     assert told.value.filename == str(path)
     assert path.read_bytes() == b"old"
     assert os.listdir(tmp_path) == ["file"]
+
+
+def test_processes_with_the_same_number_write_to_names_of_their_own(tmp_path):
+    """As in two containers that share a folder of results."""
+    words = "import os; os.getpid = lambda: 7; from pipeline.results.store import *; "
+    words += "from pathlib import Path\nwith appearing(Path('file')) as part: print(part); part.touch()"
+    run = partial(subprocess.run, [sys.executable, "-c", words], cwd=tmp_path, capture_output=True, text=True, check=True)
+    one, other = (run().stdout.strip() for _ in range(2))
+    assert one != other and all(re.fullmatch(r"\.file\.7-\w{8}\.part", name) for name in (one, other))
 
 
 def test_a_record_without_status_is_not_done(store, task, monkeypatch):
