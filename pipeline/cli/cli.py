@@ -22,8 +22,8 @@ from pipeline.cli.console import DONE, FAILED, Tally, finish, looked, say, store
 from pipeline.cli.starters import Kind
 from pipeline.interrupt import KEPT
 from pipeline.results.status import read_status
-from pipeline.results.store import Store, remove
-from pipeline.study.reading import StudyError
+from pipeline.results.store import Store, leftovers, remove
+from pipeline.study.reading import COEFFICIENTS, StudyError
 from pipeline.tasks.select import find, select
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import MODEL_VERSION
@@ -362,14 +362,14 @@ def verify(
 def clean(
     study_file: StudyPath,
     results: ResultsFolder = RESULTS,
-    orphans: Annotated[bool, typer.Option("--orphans", help="Remove tasks the study no longer has")] = False,
+    orphans: Annotated[bool, typer.Option("--orphans", help="Remove them")] = False,
 ) -> None:
-    """List, or with --orphans remove, results that belong to no task of the study."""
+    """List, or with --orphans remove, results of no task of the study, and coefficients that a killed run had half written."""
     _, tasks, store = _open(study_file, results)
     known = {name for task in tasks.passing() for name in (task.id, *task.older_ids)}
     with store.lock(lambda text: say(text, err)) if orphans else nullcontext():  # a run's new files look like strays
         strays = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
-        strays += store.packs.strays(known)
+        strays += [*store.packs.strays(known), *sorted(leftovers(results / COEFFICIENTS))]
         for folder in strays:
             labels = read_status(folder / "status.json").labels
             say(f"{'removed' if orphans else 'orphan'}: {folder.name} {labels or ''}")

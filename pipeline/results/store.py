@@ -32,6 +32,7 @@ from pipeline.study.reading import StudyError
 from pipeline.tasks.task import Task
 
 WRITER = f"{os.getpid()}-{secrets.token_hex(4)}"  # two containers that share a folder may number processes alike
+LEFT = 3600.0  # a part to which nothing is written for so long is a killed run's [s]
 MANY = 4  # files from which on one flush of the file system is sooner done than one for each
 _syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)  # Linux alone has it
 
@@ -133,6 +134,14 @@ def write_atomic(path: Path, data: bytes) -> None:
 
 def _partial(path: Path) -> Path:
     return path.with_name(f".{path.name}.{WRITER}.part")
+
+
+def leftovers(folder: Path) -> Iterator[Path]:
+    """What killed runs have left half written; not what others, with a lock or without, may be writing now."""
+    for part in folder.glob(".*.part"):
+        with contextlib.suppress(FileNotFoundError):  # it has got its name meanwhile
+            if time.time() - part.stat().st_mtime > LEFT:
+                yield part
 
 
 def _part(path: Path, data: bytes) -> tuple[Path, Path]:
@@ -315,6 +324,8 @@ class Store:
         try:
             if gone := self.holder():
                 waiting(f"{self.root} was left by {gone}, which did not come to its end; going on from there")
+            for part in leftovers(self.root):
+                remove(part)
             mine = {"pid": os.getpid(), "host": os.uname().nodename, "since": timestamp()}
             write_json(self.root / ".lock.json", mine)
             yield

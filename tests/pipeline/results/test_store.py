@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from functools import partial
 
 import pytest
@@ -49,9 +50,21 @@ def test_processes_with_the_same_number_write_to_names_of_their_own(tmp_path):
     """As in two containers that share a folder of results."""
     words = "import os; os.getpid = lambda: 7; from pipeline.results.store import *; "
     words += "from pathlib import Path\nwith appearing(Path('file')) as part: print(part); part.touch()"
-    run = partial(subprocess.run, [sys.executable, "-c", words], cwd=tmp_path, capture_output=True, text=True, check=True)
-    one, other = (run().stdout.strip() for _ in range(2))
+    run = partial(subprocess.check_output, [sys.executable, "-c", words], cwd=tmp_path, text=True)
+    one, other = (run().strip() for _ in range(2))
     assert one != other and all(re.fullmatch(r"\.file\.7-\w{8}\.part", name) for name in (one, other))
+
+
+@pytest.mark.parametrize(("hours", "left"), [(0.9, True), (1.1, False)])
+def test_what_a_killed_run_had_half_written_is_removed_by_the_next(store, hours, left):
+    """Unless it is so young that `collect`, which needs no lock, may be writing to it."""
+    store.root.mkdir(parents=True)
+    part, other = store.root / ".statistics.nc.7.part", store.root / "mine.part"
+    for path in (part, other):
+        path.touch()
+        os.utime(path, (since := time.time() - 3600 * hours, since))
+    with store.lock(print):
+        assert part.exists() is left and other.exists()
 
 
 def test_a_record_without_status_is_not_done(store, task, monkeypatch):

@@ -360,6 +360,19 @@ def test_orphans_are_listed_and_removed_on_request(small, cli, tmp_path):
     assert len(list((tmp_path / "r").rglob("record.nc"))) == 6
 
 
+def test_old_halves_of_coefficients_are_listed_and_removed_on_request(cli, tmp_path):
+    """Of any study: whoever writes one now has touched it within the hour."""
+    cli("run", "--workers", "1")
+    old, new = ((tmp_path / "r" / "hydrodynamics" / f".{name}.nc.7.part") for name in ("old", "new"))
+    for path in (old, new):
+        path.touch()
+    os.utime(old, (0, 0))
+    assert f"orphan: {old.name}" in (told := cli("clean")) and "1 orphans" in told and old.exists()
+    assert f"removed: {old.name}" in cli("clean", "--orphans")
+    assert not old.exists() and new.exists()
+    assert "0 orphans" in cli("clean")
+
+
 @pytest.mark.parametrize(("seconds", "pieces"), [(2.0, 1), (40.0, schedule.SMALL + 1)])
 def test_boundary_elements_that_take_long_are_shared_by_workers_of_few_tasks(
     small, tmp_path, engine, monkeypatch, seconds, pieces
