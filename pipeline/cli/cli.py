@@ -73,7 +73,8 @@ def main() -> None:
         sys.exit(FAILED)
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        say(f"{what}; {KEPT} once that is mended", err)
+        goes_on = f"; {KEPT} once that is mended" if sys.argv[1:2] in (["run"], ["rerun"]) else ""
+        say(f"{what}{goes_on}", err)
         sys.exit(FAILED)
 
 
