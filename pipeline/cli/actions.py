@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -128,15 +129,18 @@ def refresh(study: Study, store: Store) -> list[Path]:
     from pipeline.results import dataset
 
     path = dataset.current(study, store)
-    if len(study.tasks.unique) > REPORTED:
-        return [path]
-    page, mark, source = store.root / "report.html", store.root / ".report.json", {"of": _drawn_from(study, path)}
+    return [path] if len(study.tasks.unique) > REPORTED else [path, draw(study, path)]
+
+
+def draw(study: Study, path: Path) -> Path:
+    """The report beside the dataset at `path`, written only if its sources are others."""
+    page, mark, source = path.with_name("report.html"), path.with_name(".report.json"), {"of": _drawn_from(study, path)}
     if read_json(mark) != source or not page.is_file():
         from pipeline.report.page import write
 
         write(study, path)
         write_json(mark, source)
-    return [path, page]
+    return page
 
 
 def print_table(study: Study, path: Path) -> None:
@@ -145,7 +149,8 @@ def print_table(study: Study, path: Path) -> None:
     known = read_json(kept) or {}
     if known.get("of") != source or not isinstance(known.get("text"), str):
         known = {"of": source, "text": _table(study, path)}
-        write_json(kept, known)
+        with contextlib.suppress(OSError):  # it saves time alone, and the folder may be for reading only
+            write_json(kept, known)
     print(known["text"], end="", file=out.file)
 
 

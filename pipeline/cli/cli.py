@@ -326,7 +326,12 @@ def report(
             say(ranking.block(study.content, data, best) or "no designs to choose from")
     if figure:
         page.write_figure(study, path, figure)
-    say(str(page.write(study, path)))
+    try:
+        drawn = actions.draw(study, path)
+    except OSError as error:  # a folder for reading only, say, of whose results the table has told
+        say(f"{study.path}: warning: the page cannot be written: {error.filename}: {error.strerror}", err)
+    else:
+        say(str(drawn))
 
 
 @app.command(epilog="Exit status: 0 all whole, 1 something damaged or another record at the second time, 2 bad input.")
@@ -365,7 +370,7 @@ def clean(
     results: ResultsFolder = RESULTS,
     orphans: Annotated[bool, typer.Option("--orphans", help="Remove them")] = False,
 ) -> None:
-    """List, or with --orphans remove, results of no task of the study, and coefficients that a killed run had half written."""
+    """List, or with --orphans remove, results of no task of the study, and halves of coefficients of killed runs."""
     _, tasks, store = _open(study_file, results)
     known = {name for task in tasks.passing() for name in (task.id, *task.older_ids)}
     with store.lock(lambda text: say(text, err)) if orphans else nullcontext():  # a run's new files look like strays

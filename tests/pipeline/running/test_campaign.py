@@ -1,5 +1,6 @@
 """A study from end to end with an engine without physics."""
 
+import errno
 import json
 import os
 import re
@@ -441,6 +442,35 @@ def test_table_and_report_are_drawn_again_only_from_other_sources(small, cli, tm
     small.write_text(small.read_text().replace("mass = 2147.0", "mass = 2148.0"))
     cli("run", "--workers", "1")
     assert len(drawn) == 4
+
+
+def test_a_report_that_is_current_is_not_written_again(cli, tmp_path, drawn):
+    cli("run", "--workers", "1")
+    told = cli("report")
+    assert "a summary" in told and str(tmp_path / "r" / "small" / "report.html") in told
+    assert drawn.count("page") == 1
+    (tmp_path / "r" / "small" / "report.html").unlink()
+    cli("report")
+    assert drawn.count("page") == 2
+
+
+def test_a_report_that_cannot_be_written_is_a_warning(cli, tmp_path, drawn, monkeypatch):
+    """As in a folder for reading only, where neither page nor table can be kept."""
+    from pipeline.report import page
+
+    def read_only(path, *_):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(path))
+
+    cli("run", "--workers", "1")
+    root = tmp_path / "r" / "small"
+    for name in (".report.json", ".table.json"):
+        (root / name).unlink()
+    monkeypatch.setattr(page, "write", lambda _, path: read_only(path.with_name("report.html")))
+    monkeypatch.setattr(actions, "write_json", read_only)
+    told = cli("report")
+    assert "a summary" in told
+    line = f"small.toml: warning: the page cannot be written: {root / 'report.html'}: Read-only file system"
+    assert told.replace("\n", " ").count(line) == 1
 
 
 @pytest.mark.parametrize(

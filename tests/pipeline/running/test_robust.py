@@ -192,6 +192,16 @@ def test_read_only_results(tmp_path, small_study):
         assert here("status", small_study, "--results", folder).returncode == 2
 
 
+def test_the_report_of_results_for_reading_only(tmp_path, small_study):
+    """All is there and as it would be drawn again."""
+    with tmpfs(tmp_path / "ro", "size=20m") as folder:
+        for verb in (("run", "--workers", 1), ("report",)):
+            assert here(verb[0], small_study, "--results", folder, *verb[1:]).returncode == 0
+        subprocess.run(["mount", "-o", "remount,ro", folder], check=True)
+        done = here("report", small_study, "--results", folder)
+        assert (done.returncode, done.stderr) == (0, "") and done.stdout.endswith("report.html\n")
+
+
 def test_damaged_results_are_named_and_made_again(tmp_path, small_study, results):
     """Cut, a bit flipped, empty, gone; and half a status."""
     assert here("run", small_study, "--results", results, "--workers", 1).returncode == 0
