@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import deque
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -142,7 +143,8 @@ class _Run:
     pool: schedule.Pool
     watch: Watch
     batches: Batches = field(default_factory=Batches)
-    out: int = 0  # batches that the pool has
+    shares: deque[tuple[_Solution, int]] = field(default_factory=deque)  # that the pool does not have yet
+    out: int = 0  # pieces of work that it has
     waiting: dict[Geometry, Tasks] = field(default_factory=dict)  # for their coefficients
     block: int = 1  # tasks one after another that differ in their joints alone
 
@@ -151,6 +153,7 @@ class _Run:
         self._start(tasks, broken)
         self._offer()
         for key, results in self.pool.finished():
+            self.out -= 1
             arriving = self._arrived(key, results)
             while arrived := list(itertools.islice(arriving, TOGETHER)):
                 self.campaign.keep(arrived)
@@ -181,7 +184,7 @@ class _Run:
         solved = [some for geometry, some in self.waiting.items() if geometry.flow and not geometry.coefficients]
         if designs := preflight.designs(self.study, itertools.chain(*solved)):
             some = [task.parameters for task in designs]
-            self.pool.submit(_Designs(designs), attempt_statics, self.campaign.engine, some)
+            self._submit(_Designs(designs), attempt_statics, some)
 
     def _solve(self) -> None:
         """Each worker has a share of the frequencies of whatever radiates, or several; headings go along."""
@@ -195,9 +198,15 @@ class _Run:
             if effort > LONG:
                 count = max(count, min(math.ceil(effort / SHARE), MOST_SHARES))
                 solution = self._kept(geometries, count)
-            for n in (n for n, share in enumerate(solution.shares) if share is None):
-                self.pool.submit((solution, n), attempt_share, self.campaign.engine, geometries, n, count)
+            self.shares.extend((solution, n) for n, share in enumerate(solution.shares) if share is None)
             self._unite(solution)
+        self._share_out()
+
+    def _share_out(self) -> None:
+        """One share waits for the next worker that is free, and no more: what comes of the others goes before them."""
+        while self.shares and self.out <= self.pool.width:
+            solution, n = self.shares.popleft()
+            self._submit((solution, n), attempt_share, solution.geometries, n, len(solution.shares))
 
     def _kept(self, geometries: list[Geometry], count: int) -> _Solution:
         """With the shares that a run before this one left."""
@@ -209,12 +218,16 @@ class _Run:
         )
 
     def _offer(self) -> None:
-        """Keep as much on offer as keeps the pool busy; the rest stays here, where it costs little."""
+        """Keep as much on offer as keeps the pool busy, tasks first; the rest stays here, where it costs little."""
         while self.batches and self.out < max(1, AHEAD * self.pool.width):
             batch = self.batches.take(self.pool.width)
             pairs = [(task.id, task.parameters) for task in batch.tasks]
-            self.pool.submit(batch, attempt_tasks, self.campaign.engine, pairs, batch.coefficients)
-            self.out += 1
+            self._submit(batch, attempt_tasks, pairs, batch.coefficients)
+        self._share_out()
+
+    def _submit(self, key: Hashable, attempt: Callable[..., list[Outcome]], *args: Any) -> None:
+        self.pool.submit(key, attempt, self.campaign.engine, *args)
+        self.out += 1
 
     def _arrived(self, key: Hashable, results: list[Outcome] | Lost) -> Iterator[tuple[Task, Outcome]]:
         """Outcomes of tasks. A lost batch is tried once more, task by task; a lost task has failed."""
@@ -230,7 +243,6 @@ class _Run:
             for text in preflight.restless(self.study, key.tasks, [outcome.warnings for outcome in results]):
                 self.campaign.say(f"{self.campaign.study}: warning: {text}")
         elif isinstance(key, Batch):
-            self.out -= 1
             if isinstance(results, Lost) and len(key.tasks) > 1:
                 self.batches.add_alone(key)
                 return
@@ -259,7 +271,7 @@ class _Run:
         if all(solution.shares):
             solution.united = True
             parts = [share.result for share in solution.shares if share]
-            self.pool.submit(solution, attempt_coefficients, self.campaign.engine, solution.geometries, parts)
+            self._submit(solution, attempt_coefficients, solution.geometries, parts)
 
     def _solved(self, solution: _Solution, outcomes: Sequence[Outcome]) -> Iterator[tuple[Task, Outcome]]:
         """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
