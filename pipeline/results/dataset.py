@@ -29,7 +29,7 @@ SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
 TOLD = ("failure", "unmet", "warnings")  # of an entry, in words
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
-LAYOUT = 8  # raise it when the dataset's form changes, so that it is written anew
+LAYOUT = 9  # raise it when the dataset's form changes, so that it is written anew
 
 
 Cell = tuple[int, ...]
@@ -202,7 +202,11 @@ def _coordinates(
         damping = coords["pto_damping"]
         attrs = of_path("floats.*.pto_damping", table["pto_damping"], motions)
         coords["pto_damping"] = damping._replace(attrs={**attrs, **damping.attrs})
-    coords = dict(_of_seas(study, table, outer)) | coords
+    known = dict(_of_seas(study, table, outer))
+    if "Tp" in varied and varied["Tp"].own and not np.isin(table["Tp"], known["Tp"].values).all():
+        (path,) = varied["Tp"].keys  # which holds mean periods
+        coords["Tp"] = coords["Tp"]._replace(attrs=of_path(path, table["Tp"], motions))
+    coords = known | coords
     used = {dim for inner in arrays.dims.values() for dim in inner}
     for dim in INNER:
         if dim in used:
@@ -219,7 +223,7 @@ def _of_seas(
     """The numbers by which people know the seas of the tasks: along sea states, and along what else changes them."""
     dims, cells, met, _ = study.tasks.seas
     shape = tuple(len(table[name]) for name in dims)
-    known = [seas.labels(sea) for sea in met]
+    known = [seas.labels(*sea) for sea in met]
     there = np.isin(np.arange(math.prod(shape)), cells).reshape(shape)
     for name in dict.fromkeys(key for one in known for key in one):
         numbers = np.full(shape, np.nan)

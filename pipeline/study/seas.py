@@ -139,21 +139,27 @@ def is_random(sea: SeaState) -> bool:
     return isinstance(sea, (Irregular, WhiteNoise, MeasuredSpectrum))
 
 
-def labels(sea: SeaState) -> dict[str, float]:
+def labels(sea: SeaState, waves: Waves) -> dict[str, float]:
     """The numbers by which people know a sea state, and how often it comes, as coordinates of the dataset."""
-    return _known(sea) | ({} if sea.occurrence is None else {"occurrence": sea.occurrence})
+    return _known(sea, waves) | ({} if sea.occurrence is None else {"occurrence": sea.occurrence})
 
 
-def _known(sea: SeaState) -> dict[str, float]:
+def _known(sea: SeaState, waves: Waves) -> dict[str, float]:
     match sea:
         case Irregular():
-            return {"Hs": sea.Hs, "Tp": sea.Tp}
+            return {"Hs": sea.Hs, "Tp": sea.Tp * _peak_over(sea, waves)}
         case WhiteNoise():
             return {"Hs": sea.Hs}
         case Regular():
             return {"wave_height": sea.height, "wave_period": sea.period}
         case _:
             return {}
+
+
+def _peak_over(sea: Irregular, waves: Waves) -> float:
+    """The spectrum's peak period over what the key Tp holds."""
+    mean = (sea.spectrum or waves.spectrum, sea.form or waves.form) == ("pierson-moskowitz", "mean")
+    return PEAK_OVER_MEAN if mean else 1.0
 
 
 def height(sea: SeaState) -> float:
@@ -213,9 +219,7 @@ def frequencies(sea: SeaState, waves: Waves) -> tuple[float, float] | None:
             omega = columns.read(sea.file, ("omega",))["omega"]
             return float(omega[omega > 0].min(initial=math.inf)), float(omega.max())
         case Irregular() if waves.band is None:
-            peak = 2 * math.pi / sea.Tp
-            if (sea.spectrum or waves.spectrum, sea.form or waves.form) == ("pierson-moskowitz", "mean"):
-                peak /= PEAK_OVER_MEAN
+            peak = 2 * math.pi / sea.Tp / _peak_over(sea, waves)
             return USUAL_BAND[0] * peak, USUAL_BAND[1] * peak
         case _:
             return waves.band

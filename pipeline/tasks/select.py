@@ -77,7 +77,7 @@ def _coordinate(study: Study, tasks: Tasks, name: str) -> tuple[str, Sequence[La
     if found:
         which = " or ".join(sorted(one.key for one in found))
         raise StudyError(study.path, [f"--select = {name}: goes along several axes; name one: {which}"])
-    met = [seas.labels(sea) for sea in tasks.seas.each]
+    met = [seas.labels(*sea) for sea in tasks.seas.each]
     if not any(name in numbers for numbers in met):
         others = list(dict.fromkeys([*known, *(key for numbers in met for key in numbers)]))
         raise StudyError(study.path, [f"--select = {name}: unknown axis; {_suggest(name, others)}"])

@@ -162,9 +162,10 @@ def at_labels(study: StudyFile, labels: Mapping[str, Label]) -> StudyFile:
     return _placed(Same(study), tuple(axis.labels.index(labels[axis.name]) for axis in study.varied))
 
 
-def sea_at(study: StudyFile, labels: Mapping[str, Label]) -> SeaState:
-    """The sea with these labels."""
-    return at_labels(study, labels).sea_states[str(labels["sea_state"])]
+def sea_at(study: StudyFile, labels: Mapping[str, Label]) -> tuple[SeaState, Waves]:
+    """The sea with these labels, and what it has in common with others."""
+    study = at_labels(study, labels)
+    return study.sea_states[str(labels["sea_state"])], study.waves
 
 
 @lru_cache(maxsize=128)  # the last axes vary fastest: tasks one after another share what the first ones make

@@ -14,12 +14,12 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from pipeline.study.schema import StudyFile
-from pipeline.study.seas import SeaState
+from pipeline.study.seas import SeaState, Waves
 from pipeline.tasks.task import Label, Task, axes, blocks, cell, dimensions, sea_at
 from pipeline.terminal import passing
 
 Key = TypeVar("Key", bound=Hashable)
-SEAS = ("sea.", "sea_states.")  # what paths begin with that change seas
+SEAS = ("sea.", "sea_states.", "waves.form", "waves.spectrum")  # what paths begin with that change seas
 
 
 class Seas(NamedTuple):
@@ -27,7 +27,7 @@ class Seas(NamedTuple):
 
     dims: tuple[str, ...]
     numbers: np.ndarray  # (m,), of the cells along these axes that have tasks
-    each: list[SeaState]  # m
+    each: list[tuple[SeaState, Waves]]  # m, with what they have in common
     places: np.ndarray  # (n,), which of them each task has
 
 

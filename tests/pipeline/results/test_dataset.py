@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from pipeline.bridge.loading import load
+from pipeline.bridge.realizations import shape
 from pipeline.results import dataset
 from pipeline.results.store import Store
 from pipeline.study import seas
@@ -50,6 +52,12 @@ CASES = {
         {"Hs": (*OF_SEAS, "variant"), "Tp": (*OF_SEAS, "variant"), "wave_height": (*OF_SEAS, "variant"),
          "wave_period": (*OF_SEAS, "variant")},
     ),
+    "a mean period": (('Tp = 5.0 }', 'Tp = 5.0, form = "mean" }'), "", {"Hs": OF_SEAS, "Tp": OF_SEAS}),
+    "a mean period beside another shape": (
+        (MIXED[0], "calm = { Hs = 0.5, Tp = 5.0 }\nrough = { Hs = 2.0, Tp = 7.0, spectrum = 'jonswap' }"),
+        f"{TWO}waves.form = 'mean'\n",
+        {"Hs": OF_SEAS, "Tp": (*OF_SEAS, "variant")},
+    ),
     "samples": ((), "[samples]\ncount = 3\nsea.Hs = { from = 0.3, to = 0.4 }\n", {"Hs": ("sample",), "Tp": OF_SEAS}),
 }  # fmt: skip
 
@@ -71,19 +79,34 @@ def coordinates(study):
 
 @pytest.mark.parametrize("case", CASES)
 def test_numbers_of_seas_are_those_of_each_task(small, case):
-    """Read off at each task's labels they are its parameters', and NaN where its sea has no such number."""
+    """Read off at each task's labels they are its parameters', and NaN where its sea has no such number.
+
+    The peak period is that of the solver's spectrum, also where the study gives a mean period.
+    """
     change, more, dims = CASES[case]
     study = changed(small, change, more)
     table, found = axes(study.content), coordinates(study)
     numbers = {name: found[name] for name in ("Hs", "Tp", "wave_height", "wave_period", "occurrence") if name in found}
     assert {name: v.dims for name, v in numbers.items()} == dims
     for task in study.tasks:
-        own = seas.labels(task.parameters.sea_state)
+        sea, waves = task.parameters.sea_state, task.parameters.waves
+        own = seas.labels(sea, waves)
+        if isinstance(sea, seas.Irregular):
+            own["Tp"] = 2 * np.pi / shape(sea, waves).peak_frequency
         often = study.content.sea_states[task.labels["sea_state"]].occurrence
         own |= {} if often is None else {"occurrence": often}
         at = {name: table[name].index(label) for name, label in task.labels.items()}
         read = {name: float(v.values[tuple(at[dim] for dim in v.dims)]) for name, v in numbers.items()}
-        assert {name: number for name, number in read.items() if np.isfinite(number)} == own
+        assert {name: number for name, number in read.items() if np.isfinite(number)} == approx(own, rel=1e-14)
+
+
+@pytest.mark.parametrize(("form", "words"), [("peak", "Nominal peak period"), ("mean", "Tp (sea.Tp)")])
+def test_an_axis_of_mean_periods_is_not_called_one_of_peaks(small, form, words):
+    """Its labels are the key's values, whatever that holds."""
+    study = changed(small, ("[waves]", f"[waves]\nform = '{form}'"), '"sea.Tp" = [5.0, 6.0]')
+    axis = coordinates(study)["Tp"]
+    assert axis.values.tolist() == [5.0, 6.0] and axis.attrs["units"] == "s"
+    assert axis.attrs["long_name"] == words and ("standard_name" in axis.attrs) is (form == "peak")
 
 
 @pytest.mark.parametrize("change", [("4, 5", "6, 7"), ("[s]", "[h]"), ("period", "time")])

@@ -708,6 +708,13 @@ def test_seas_are_chosen_by_their_height_and_period(small, text):
         select(study, "Hs=0.7")
 
 
+def test_a_sea_given_by_its_mean_period_is_chosen_by_its_peaks(small):
+    small.write_text(small.read_text().replace("Tp = 7.0", 'Tp = 6.5, form = "mean"'))
+    assert {task.labels["sea_state"] for task in select(load(small), "Tp=8.42")} == {"rough"}
+    with pytest.raises(StudyError, match=r"Tp=7.0: no such value; known: 5.0, 8.4196"):
+        select(load(small), "Tp=7.0")
+
+
 def test_a_key_is_chosen_by_any_path_that_leads_to_it(small):
     small.write_text(with_more(small, ("second", 9.5)))
     study = varied(small, '"floats.front.mass" = [2147.0, 2000.0]', '"floats.*.stiffness" = [0.0, 1e4]',

@@ -63,7 +63,7 @@ def test_how_often_a_sea_comes_is_no_part_of_a_task(buan_tables):
     buan_tables["sea_states"]["2017"]["occurrence"] = 310.0
     assert ids(buan_tables) == before
     sea = StudyFile.model_validate(buan_tables).sea_states["2017"]
-    assert seas.labels(sea) == {"Hs": 1.387, "Tp": 5.65, "occurrence": 310.0}
+    assert seas.labels(sea, seas.Waves()) == {"Hs": 1.387, "Tp": 5.65, "occurrence": 310.0}
     assert one(buan_tables, sea_state="2017", platform="fixed", seed=0).parameters.sea_state.occurrence is None
 
 
