@@ -21,6 +21,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 DASHES = ("-", "--", ":", "-.")
 HIDDEN = 0.01  # of the height of axes: a line that is nowhere further from another hides it
+MARGIN = 0.04  # of an axis's length, beside it, so that marks at its ends are whole
 INK, FAINT, PAPER = "#333333", "#dddddd", "#000000"
 WATER, SAND, STEEL = "#dcebf5", "#d9cfbf", "#8a8f94"
 
@@ -158,11 +159,13 @@ def categories(axes: Axes, names: Sequence[str]) -> None:
 
 
 def decades(axes: Axes, low: float, high: float) -> None:
-    """A logarithmic x axis over whole decades, with no numbers between them."""
+    """A logarithmic x axis over whole decades and a mark's width, with no numbers between them."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     axes.set_xscale("log")
-    axes.set_xlim(10.0 ** math.floor(math.log10(low)), 10.0 ** math.ceil(math.log10(1.01 * high)))
+    first, last = math.floor(math.log10(low)), max(math.ceil(math.log10(high)), math.floor(math.log10(low)) + 1)
+    beyond = MARGIN * (last - first)
+    axes.set_xlim(10.0 ** (first - beyond), 10.0 ** (last + beyond))
     axes.xaxis.set_major_locator(LogLocator(numticks=6))
     axes.xaxis.set_minor_formatter(NullFormatter())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+LETTERS = 110  # of words below axes all across a figure
 NAUGHT = 1e-6  # share of the largest below which a component is zero but for rounding
 
 
@@ -66,16 +68,17 @@ def audit(results: Results) -> Figure | None:
     if not shown:
         return None
     supports = results.labels("platform")
-    figure = canvas(9.0, 1.0 + 0.45 * len(supports))
+    texts = [textwrap.wrap(words, int(LETTERS / len(shown))) for _, words in shown]
+    figure = canvas(9.0, 0.85 + 0.15 * max(map(len, texts)) + 0.45 * len(supports))
     rows = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
-    for axes, (name, words) in zip(rows, shown, strict=True):
+    for axes, (name, _), lines in zip(rows, shown, texts, strict=True):
         values = results.values(name).where(once(results.values("task").values))
         every = np.abs(finite(values))
         every = every[every > 0]  # a logarithm has no place for exact zeros
         if every.size:
             decades(axes, float(every.min()), float(every.max()))
         categories(axes, [SUPPORT.get(str(s), str(s)) for s in supports])
-        axes.set_xlabel(words)
+        axes.set_xlabel("\n".join(lines))
         for place, support in enumerate(supports):
             numbers = np.abs(finite(values.sel(platform=support)))
             numbers = numbers[numbers > 0]

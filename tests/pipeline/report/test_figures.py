@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -718,3 +719,18 @@ def test_figures_of_one_sea_are_of_one_that_designs_work_in(small, results):
     for Hs, sea in ((1.5, "calm"), (0.1, "rough")):
         small.write_text(text + f'\n[survival]\nHs = {Hs}\n"floats.*.coulomb" = 1e9\n')
         assert figures.Results(study=load(small), data=results.data).sea == sea
+
+
+def test_words_and_dots_of_the_audit_have_room(results):
+    """With all that runs say of themselves words stay below their own axes, and dots at powers of ten are whole."""
+    data = results.data.assign(estimated_error=0 * results.data.wall_time + 10.0 ** (results.data.seed - 3.0))
+    with plain():
+        figure = strips.audit(replace(results, data=data))
+        png(figure)
+    words = [axes.xaxis.label.get_window_extent() for axes in figure.axes]
+    assert len(words) == 3 and all(one.x1 < other.x0 for one, other in pairwise(words))
+    assert words[0].x0 >= 0 and words[-1].x1 <= figure.bbox.x1 and min(box.y0 for box in words) >= 0
+    for axes in figure.axes:
+        dots = np.concatenate([axes.transData.transform(line.get_xydata()) for line in axes.lines[-3:]])
+        radius = axes.lines[-1].get_markersize() / 2 * figure.dpi / 72
+        assert dots[:, 0].min() - radius >= axes.bbox.x0 and dots[:, 0].max() + radius <= axes.bbox.x1
