@@ -88,7 +88,9 @@ def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     q = X @ (linear_model(system).stiffness @ of.shapes.T) / of.own**2
     share = 0.5 * (np.abs(_kicked(of, omega, q, s)) ** 2 * of.lasts(s.discard, s.duration))[:, None] * of.shapes**2
     squares = np.sum(np.abs(X) ** 2, axis=0)
-    share = share[:, used := _moving(system, squares)] / (0.5 * squares[used])
+    if not (used := _moving(system, squares)).any():
+        return
+    share = share[:, used] / (0.5 * squares[used])
     k, j = np.unravel_index(share.argmax(), share.shape)
     std, ends = np.sqrt(1 + share[k, j]) - 1, "nothing damps it"
     if std > LEFT:

@@ -15,7 +15,7 @@ from solver.run import simulate
 from solver.scene import Float
 from solver.sea.realization import CALM, components, regular
 from solver.statistics import STATISTICS
-from tests.awkward import RHO, known, scene, sea
+from tests.awkward import RHO, bare_legs, known, scene, sea
 
 
 @cache
@@ -101,6 +101,14 @@ def test_nothing_is_said_of_a_start_in_still_water_nor_of_what_is_damped():
         damped = item.floats[0].damping == (3e3,)
         system = prepare(replace(item, sea=few if damped else CALM), h)
         assert not list(left_over(system, h))
+
+
+def test_a_platform_that_no_wave_loads_has_nothing_of_its_start():
+    item, _ = bare_legs()
+    frame, none = item.platform.frame, {"drag_coefficient": 0.0, "inertia_coefficient": 1.0}
+    members = tuple(replace(m, **none) for m in frame.members)
+    spared = replace(item, platform=replace(item.platform, frame=replace(frame, members=members)))
+    assert not list(left_over(prepare(spared, None), None)) and not list(from_rest(prepare(spared, None), None))
 
 
 def test_a_shape_that_moves_by_rounding_alone_lacks_nothing():

@@ -190,8 +190,8 @@ def _standing_out(h: Hydrodynamics, missed: dict[str, np.ndarray], there: np.nda
                 worst = float(share[w, j])
                 sentence = (
                     f"at {h.omega[w]:.4g} rad/s the {words[name]} of {names[b]} along {h.dofs[k]} is {worst:.0%} of its"
-                    " largest off what the frequencies beside it say: is it a slip, an irregular frequency, or does water"
-                    " ring there?"
+                    " largest off what the frequencies beside it say: is it a slip, an irregular frequency, or does"
+                    " water ring there?"
                 )
     return sentence
 
