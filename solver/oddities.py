@@ -29,13 +29,26 @@ STEEPEST = (8.0, 15.0), (1 / 15, 1 / 25)  # 2π Hs/(g Tp²) that seas have by Tp
 
 def warnings(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:
     """Sentences for the user, the key first; joints (nj,): at rest, where that is known."""
-    return (*of_undamped(scene, joints), *idle(scene))
+    return (*of_undamped(scene, joints), *idle(scene), *_locked_one_way(scene))
 
 
 def idle(scene: Scene) -> Iterator[str]:
     """A sentence for each part that is given of a power take-off that is not there."""
     for f in scene.floats:
         yield from (f"floats.{f.name}.{part}: does nothing without a power take-off" for part in f.idle)
+
+
+def _locked_one_way(scene: Scene) -> Iterator[str]:
+    """A sentence for each axis that more friction than its float weighs holds in one sense, and nothing in the other."""
+    for f in scene.floats:
+        lever = np.linalg.norm(f.arm) + f.hull.size
+        weight = f.mass * scene.water.gravity * np.where(f.turns, lever, 1.0)
+        for axis, share, load, most in zip(f.motion, f.per_axis("one_way"), f.per_axis("coulomb"), weight, strict=True):
+            if abs(share) == 1 and load > most:
+                yield (
+                    f"floats.{f.name}.coulomb: {load:.3g} {'N m' if unit_along(axis) == 'rad' else 'N'} holds {axis} in"
+                    f" one sense alone, for one_way = {share:g}, so that it ratchets: one_way = 0 locks it"
+                )
 
 
 def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ...]:

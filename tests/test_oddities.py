@@ -192,6 +192,14 @@ def test_a_density_that_no_water_has_is_told(density, told):
     assert any(text.startswith(f"water.density: {density:g} kg/m3") for text in texts) is told
 
 
+@pytest.mark.parametrize(("coulomb", "one_way", "told"), [(1e9, 1.0, True), (1e9, 0.9, False), (1e3, -1.0, False)])
+def test_an_arm_that_is_locked_in_one_sense_is_told(coulomb, one_way, told):
+    item, _ = unequal_legs()
+    locked = replace(item, floats=(replace(item.floats[0], coulomb=coulomb, one_way=one_way),))
+    texts = [text for text in warnings(locked) if "so that it ratchets" in text]
+    assert [text.startswith("floats.float.coulomb: 1e+09 N m holds hinge") for text in texts] == [True] * told
+
+
 @pytest.mark.parametrize("speed", [11.9, 12.1])
 @pytest.mark.parametrize("table", [False, True])
 def test_a_current_that_no_tide_has_is_told(speed, table):

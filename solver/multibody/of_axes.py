@@ -182,6 +182,11 @@ def bent(law: JointLaw) -> np.ndarray:
     return stopped(law) | turning(law) | limited | tabled(law)
 
 
+def stop_damping(law: JointLaw) -> np.ndarray:
+    """Of the axes' end stops (n,) [N s/m or N m s/rad]: times the rate what a stop bears at first."""
+    return law.end_stops.damping
+
+
 def stop_rates(law: JointLaw, compliance: np.ndarray) -> np.ndarray:
     """How fast an axis of inertia 1/compliance swings on its stops (n,): (k_s/m)^½ + c_s/m [rad/s]."""
     return np.sqrt(law.end_stops.stiffness * compliance) + law.end_stops.damping * compliance

@@ -8,10 +8,20 @@ import numpy as np
 from solver.coupled.assembly import Layout, joint_law
 from solver.coupled.between import NODES, interpolate
 from solver.coupled.natural import SystemModes
-from solver.coupled.problem import BEYOND, CONTACT, HITS, HOLDS, LET_GO, LOAD, UNCUT, Between, Output
+from solver.coupled.problem import BEYOND, CONTACT, HITS, HOLDS, LET_GO, LOAD, RATE, UNCUT, Between, Output
 from solver.coupled.support import Support
 from solver.multibody.bodies import Bodies
-from solver.multibody.of_axes import bent, declutched, holds, joint_loads, latched, pto_bounds, pto_loads, stopped
+from solver.multibody.of_axes import (
+    bent,
+    declutched,
+    holds,
+    joint_loads,
+    latched,
+    pto_bounds,
+    pto_loads,
+    stop_damping,
+    stopped,
+)  # fmt: skip
 from solver.record.channels import ELEVATION, Channels, Labelled, Record, bound
 from solver.record.corners import ends_of, missed
 from solver.record.fatigue import crossing_rate
@@ -362,6 +372,8 @@ class Recorder:
         if (some := stopped(self.law)).any():
             contact = np.full((channels.owner.size, len(CONTACT)), np.nan)
             contact[some] = self.contact[some[bent(self.law)]]
+            at_once = stop_damping(self.law)[some] * contact[some, RATE]  # before a piece's first stage
+            contact[some, LOAD] = np.maximum(contact[some, LOAD], at_once)
             hits = np.array([np.nansum(contact[channels.owner == b, HITS]) for b in range(len(self.scene.floats))])
             yield CONTACT[HITS], (("float",), hits)
             if hours > 0:

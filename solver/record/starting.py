@@ -23,6 +23,7 @@ from solver.coupled.linear import linear_model
 from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.multibody import of_axes
 from solver.record.response import in_waves
 from solver.record.sampling import least_motion
 from solver.record.slow import radiating, unradiated
@@ -34,6 +35,7 @@ LACKS = 0.05  # of a std: what is said
 WELL = 0.01  # of it: what the discard leaves that is told
 LEFT = 0.01  # of a std: what is said of the start's own swinging
 LONG = 10.0  # times 1/B: after that nothing is left of it
+SHARED = 0.1  # of what a shape moves most
 OFTEN = 20  # instants of a ramp, in the shortest period
 WIDTHS = 2.0  # of a resonance, B, to either side, which have 84 % of it
 
@@ -73,6 +75,14 @@ def _moving(system: System, squares: np.ndarray) -> np.ndarray:
     return np.asarray(moves > max(FAINT * moves.max(), least_motion(system.scene)))
 
 
+def _braked(system: System, shapes: np.ndarray) -> np.ndarray:
+    """Which shapes (m, n) turn or shift a joint that friction or a latch holds, which the linear model has free."""
+    carriers, modes = system.structure.carrier.shape[0], system.structure.omega.size
+    way = np.abs(shapes) * linear_model(system).length
+    held = np.concatenate([np.zeros(modes, bool), of_axes.holds(system.bodies.law)[carriers:]])
+    return np.asarray(way[:, held].max(axis=1, initial=0.0) > SHARED * way.max(axis=1))
+
+
 def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     """A sentence for the shape by whose swinging on any coordinate's std is above the waves' by most, if by LEFT."""
     s, sea = system.scene.settings, system.scene.sea
@@ -80,7 +90,7 @@ def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     if not (met.any() and (modes.omega > 0).any()):
         return
     of, omega = _Begun.of(system, h, modes.omega > 0), sea.omega[met]
-    on = ~of.near(omega).any(axis=1) & (of.B * max(s.discard - s.ramp, 0.0) < LONG)
+    on = ~of.near(omega).any(axis=1) & (of.B * max(s.discard - s.ramp, 0.0) < LONG) & ~_braked(system, of.shapes)
     if not on.any():
         return
     of = _Begun(of.own[on], of.shapes[on], of.B[on], [of.names[k] for k in np.flatnonzero(on)])

@@ -103,6 +103,15 @@ def test_a_mass_bounces_between_stops_with_their_restitution(zeta, dt):
         assert run.contact[:, LOAD].max() == approx(largest[zeta], rel=0.02)
 
 
+@pytest.mark.parametrize("stiffness", [0.0, 1e4])
+def test_a_stop_that_dampens_bears_most_at_the_instant_that_it_is_hit(stiffness):
+    """c times the rate, up to a quarter more than at a piece's first stage."""
+    stops = EndStops(lower=-0.7, upper=0.2, stiffness=stiffness, damping=2e4)
+    record = simulate(replace(mass(0.1, 2.0, end_stops=stops, offset=-0.5, stiffness=4e4)), None)
+    rate, load = (record.variables[name][1][0, 0] for name in ("impact_rate", "end_stop_load"))
+    assert rate > 1.0 and load == approx(2e4 * rate, rel=1e-6)
+
+
 @pytest.mark.parametrize(("dt", "seconds"), [(0.4, 7.6), (0.13, 7.8), (0.05, 7.8)])
 def test_statistics_of_hits_are_those_of_pieces(dt, seconds):
     """F = kδ for half a period at ω: ∫F dt = 2MV and ∫F² dt = M²V²ωπ/2 of each hit, whatever samples see of it.

@@ -103,6 +103,14 @@ def test_nothing_is_said_of_a_start_in_still_water_nor_of_what_is_damped():
         assert not list(left_over(system, h))
 
 
+@pytest.mark.parametrize("law", [{"latch_load": 1e9}, {"coulomb": 1e9}])
+def test_nothing_is_said_of_an_axis_that_is_held(law):
+    item, h = spar(20.0)
+    few = components(amplitude=np.full(2, 0.2), omega=np.array([0.7, 1.4]), phase=np.zeros(2))
+    free, held = (replace(item, sea=few, floats=(replace(item.floats[0], **more),)) for more in ({}, law))
+    assert [len(list(left_over(prepare(each, h), h))) for each in (free, held)] == [1, 0]
+
+
 def test_a_platform_that_no_wave_loads_has_nothing_of_its_start():
     item, _ = bare_legs()
     frame, none = item.platform.frame, {"drag_coefficient": 0.0, "inertia_coefficient": 1.0}
