@@ -39,7 +39,7 @@ def idle(scene: Scene) -> Iterator[str]:
 
 
 def _locked_one_way(scene: Scene) -> Iterator[str]:
-    """A sentence for each axis that more friction than its float weighs holds in one sense, and nothing in the other."""
+    """A sentence for each axis that more friction than its float weighs holds, in one sense alone."""
     for f in scene.floats:
         lever = np.linalg.norm(f.arm) + f.hull.size
         weight = f.mass * scene.water.gravity * np.where(f.turns, lever, 1.0)

@@ -62,6 +62,7 @@ class Compared(NamedTuple):
     ahead: xr.DataArray  # what the best has more than each, in the same realizations, along `estimate`
     error: xr.DataArray  # what that may be off by, as their records are
     off: xr.DataArray  # what power may be off by
+    several: bool  # whether scatter is known where it is at all: without an interval nothing is decided then
 
     @property
     def least(self) -> float:
@@ -86,7 +87,15 @@ class Compared(NamedTuple):
         """Which others may be as good as the best, by the scatter of realizations or by what records are off by."""
         value, low = (self.ahead.sel(estimate=name, drop=True) for name in ("value", "low"))
         differs = self.mean < self.mean.isel(self.at, drop=True) - self.least
-        return differs & ((low <= self.least) | ~(value >= self.error))
+        scattered = ~(low > self.least) if self.several else low <= self.least
+        return differs & (scattered | ~(value >= self.error))
+
+    @property
+    def ties(self) -> int:
+        """How many more take as much as the best, but for those along what the best do not differ by."""
+        best = self.mean >= self.mean.isel(self.at, drop=True) - self.least
+        same = best.isel({dim: place for dim, place in self.at.items() if dim not in self.free})
+        return int(best.sum()) - int(same.sum())
 
 
 def table(data: xr.Dataset) -> Table:
@@ -121,7 +130,8 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
                 yield label, f"none (of 0 among {of.mean.size})", *["-"] * (5 if _several(data) else 3), counted(each)
             if not of.mean.fillna(0.0).any():  # nor is there a best of none that takes power
                 continue
-            chosen = "any" if of.alike(designs) else ", ".join(_chosen(of))
+            chosen = "any" if of.alike(designs) else ", ".join(_chosen(of)) + f" (and {of.ties} alike)" * (of.ties > 0)
+            chosen += " (all lose)" * bool(of.mean.max() < 0)
             if (known := int(of.mean.notnull().sum())) < of.mean.size:
                 chosen += f" (of {known} among {of.mean.size})"
             chosen += " (undecided)" * bool(not _several(data) and of.undecided.any())
@@ -152,7 +162,8 @@ def compared(each: xr.DataArray, designs: Sequence[Hashable], some: xr.Dataset) 
     mean = found.sel(estimate="value", drop=True).where(_whole(each, designs))
     at = {dim: int(place) for dim, place in mean.fillna(-np.inf).argmax(designs).items()}
     ahead = over_seas(each.isel(at, drop=True) - each, some)
-    return Compared(found, mean, at, ahead, _both(each, at, some), off(each, some))
+    several = each.sizes.get("seed", 1) > 1
+    return Compared(found, mean, at, ahead, _both(each, at, some), off(each, some), several)
 
 
 def _both(each: xr.DataArray, at: Mapping[Hashable, int], some: xr.Dataset) -> xr.DataArray:

@@ -36,8 +36,9 @@ STEEP = 3.0  # the least slope of curves: damage is off by as many times what st
 AT = {"damage": "foot", "damage_top": "top"}  # of the legs, by variable
 HEADER = ("", "where", "damage a year", "low", "high", "life [years]", "low", "high", "realizations")
 NOTE = (
-    f"; low and high: {LEVEL:.0%} by Student's t of the realizations' damage. With one realization there are none. Life"
-    " is 1/damage, of the fibre with the most."
+    f"; low and high: {LEVEL:.0%} by Student's t of the realizations' damage. With one realization there are none; of"
+    " few or short ones, among which damage is skewed, more of it than `high` is likelier than that says. Life is"
+    " 1/damage, of the fibre with the most."
 )
 
 

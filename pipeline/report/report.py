@@ -20,7 +20,7 @@ from pipeline.report.published import Published
 from pipeline.report.units import factor
 from pipeline.report.yearly import FAILED, counted, realized
 from pipeline.results.arrays import INNER
-from pipeline.results.dataset import NO_TASK
+from pipeline.results.dataset import NO_TASK, once
 from pipeline.results.variables import AT_STOPS, meaning
 
 if TYPE_CHECKING:
@@ -265,6 +265,8 @@ def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
             continue
         if label == "electrical_power":
             values = values.fillna(data["absorbed_power"].compute())
+        if "task" in data:  # of a regular sea there is one, whatever the seed
+            values = values.where(data["task"].copy(data=once(data["task"].values)))
         if label in AT_STOPS:
             values = values.expand_dims(statistic=[""])
         size = abs(values)

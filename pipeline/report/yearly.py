@@ -32,7 +32,8 @@ FAILED = "failed_realizations"
 ERROR = "record_error"  # what a task's number may be off by, in its unit
 ROWS = 60  # that a terminal shows of a table
 MANY = 10  # designs; of more than these the first of a ranking are told, and all floats before each
-BESIDE = (FAILED, ERROR)  # coordinates that go with tasks' numbers
+SINGLE = "single_task"  # whether a sea state has one task whatever the seed: a regular or still one
+BESIDE = (FAILED, ERROR, SINGLE)  # coordinates that go with tasks' numbers
 MARK = " *"
 OFF = (
     f"{MARK}: by their estimated_error records may be off by more than this interval, which is of their scatter alone."
@@ -55,7 +56,7 @@ def over_seas(each: xr.DataArray, weights: Any) -> xr.DataArray:
     dataset's `occurrence`, else equal ones. The interval is m ± t s, s² = Σ (wⱼ/Σw)² sⱼ²/nⱼ of independent
     realizations, with Student's t at the degrees of freedom of Welch and Satterthwaite, (Σ vⱼ)²/Σ vⱼ²/(nⱼ - 1). Sea
     states with the same number in every realization are the same waves and count there as one, by their sum of wⱼ. NaN:
-    value where a sea state has no number, interval where one has a single realization.
+    value where a sea state has no number, interval where one has a single realization of several that it may have.
     """
     import xarray as xr
     from scipy import stats
@@ -76,12 +77,17 @@ def realized(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
     import xarray as xr
 
     own: Any = True
+    single: Any = False
     if "task" in data and "seed" in data["task"].dims:
         along: dict[str, Any] = {"input_core_dims": [["seed"]], "output_core_dims": [["seed"]], "vectorize": True}
-        own = xr.apply_ufunc(once, data["task"].compute(), **along)
+        names = data["task"].compute()
+        own = xr.apply_ufunc(once, names, **along)
+        single = (own.sum("seed") == 1) & (names != "").all("seed") & (names.sizes["seed"] > 1)
+        single = single.all([dim for dim in single.dims if dim != "sea_state"])
     has = values.notnull()
     lacks = own & ~has & has.any(_tasks(values))
-    return values.where(own).assign_coords({FAILED: lacks & data["status"].isin(RUN) if "status" in data else lacks})
+    known = values.where(own).assign_coords({SINGLE: single})
+    return known.assign_coords({FAILED: lacks & data["status"].isin(RUN) if "status" in data else lacks})
 
 
 def failures(values: xr.DataArray) -> xr.DataArray:
@@ -112,20 +118,22 @@ def _tasks(values: xr.DataArray) -> list[Hashable]:
     return [dim for dim in values.dims if dim in ("sea_state", "seed")]
 
 
-def _means(each: xr.DataArray) -> _Mean:
-    """Over realizations, those that have a number."""
+def _means(each: xr.DataArray, single: Any) -> _Mean:
+    """Over realizations, those that have a number; what is `single` has no scatter."""
     number = each.notnull().sum("seed")
-    return _Mean(each.mean("seed"), each.var("seed", ddof=1) / number.where(number > 1), number)
+    variance = each.var("seed", ddof=1) / number.where(number > 1)
+    return _Mean(each.mean("seed"), variance.where(~(single & (number == 1)), 0.0), number)
 
 
 def _weighted(each: xr.DataArray, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
     """Mean over sea states, its standard error, and degrees of freedom."""
+    single = each.coords.get(SINGLE, np.False_)
     each = _by_task(each)
-    of, w = _means(each), occurrence(weights, each)
+    of, w = _means(each, single), occurrence(weights, each)
     alike = _of_alike(each, w)
     # Sums over sea states, of which k alike have Σ w alike = alike² together and not Σ w².
     variance = (w * alike * of.variance).sum("sea_state", skipna=False)
-    squares = w * alike**3 * of.variance**2 / (of.number - 1).where(of.number > 1)
+    squares = w * alike**3 * (of.variance**2 / (of.number - 1).where(of.number > 1)).where(of.variance != 0, 0.0)
     freedom = variance**2 / squares.sum("sea_state", skipna=False)
     return (w * of.mean).sum("sea_state", skipna=False), variance**0.5, freedom
 

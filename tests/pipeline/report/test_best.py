@@ -231,6 +231,36 @@ def test_an_end_is_decided_against_the_number_beside_it():
     assert {line[1] for line in rows(data)} == {"hinge_spacing 4 (an end) (of 2 among 3)"}
 
 
+def test_a_regular_sea_takes_no_verdict_away():
+    """Which has one task, whatever the seed, and no scatter; of one realization of a random sea none is known."""
+    data = dataset([4, 4.1, 1], [9, 9, 9.3], occurrence=("sea_state", [4.0, 1e-3])).isel(platform=0, drop=True)
+    swap = data.absorbed_power.isel(seed=[1, 0]).values
+    data.absorbed_power[:, 1] = swap[:, 1]  # waves that suit the one do not suit the other
+    names = np.array([[[f"{sea}{design}{seed}" for seed in range(2)] for design in range(3)] for sea in range(2)])
+    names[1] = names[1, :, :1]
+    regular = data.assign(task=(("sea_state", "pto_damping", "seed"), names))
+    regular.absorbed_power[1, :, 1] = regular.absorbed_power[1, :, 0]
+    every, mild, rough = rows(regular)
+    assert every[1] == mild[1] == "pto_damping 200000" and every[3] != "-" and "undecided" in every[6]
+    assert rough[2] == rough[3] == rough[4] and "undecided" not in rough[6]
+    ran = regular.assign(task=(("sea_state", "pto_damping", "seed"), np.arange(12).reshape(2, 3, 2).astype(str)))
+    ran.absorbed_power[1, :, 1] = np.nan
+    every, _, rough = rows(ran)
+    assert every[3] == rough[3] == "-" and "undecided" in every[6] and "undecided" in rough[6]
+
+
+def test_others_that_take_as_much_are_counted():
+    data = dataset([4, 4, 1], [1, 9, 9.5]).isel(platform=0, drop=True)
+    assert [line[1] for line in rows(data)] == [
+        "pto_damping 100000 (an end) (and 1 alike)",
+        "pto_damping 400000 (an end)",
+    ]
+    assert [line[1] for line in rows(-data)] == [
+        "pto_damping 400000 (an end) (all lose)",
+        "pto_damping 100000 (an end) (all lose)",
+    ]
+
+
 def test_designs_alike_are_no_next_best():
     """Which is told by the axes along which it differs; where all are alike there is none."""
     data = of_spacing([[3, 5], [4, 6.5]], [[7, 9], [8, 9.5]])
@@ -248,7 +278,7 @@ def test_an_axis_along_which_the_best_does_not_matter_has_any_value():
     for power, told in (
         ([[2, 1], [1, 1]], "front 1 (an end), rear 1 (an end)"),
         ([[2, 2], [1, 1]], "front 1 (an end), any rear"),
-        ([[2, 2], [2, 1]], "any front, rear 1"),
+        ([[2, 2], [2, 1]], "any front, rear 1 (and 1 alike)"),
         ([[2, 2], [2, 2]], "any"),
         ([[2, np.nan], [1, np.nan]], "front 1 (an end), rear 1 (of 2 among 4)"),
     ):

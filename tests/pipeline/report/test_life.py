@@ -137,14 +137,17 @@ def test_rows_name_the_worst_fibre(held):
 
 
 def test_a_regular_sea_has_one_realization_whatever_the_seeds():
-    """Its one task stands at each of them: no interval, of all seas neither; the irregular sea keeps its own."""
+    """Its one task stands at each of them, and has no scatter: all seas have the irregular one's."""
     data = dataset([[4e-6] * 3, [1e-6, 2e-6, 3e-6]])
     data["task"] = (("sea_state", "seed"), [["a", "a", "a"], ["b", "c", "d"]])
     found = lives(data).damage.isel(leg=0, fibre=0).values
-    assert found == approx([3e-6, np.nan, np.nan], nan_ok=True)
+    half = 0.5 * 1e-6 / np.sqrt(3) * stats.t.ppf(0.975, 2)
+    assert found == approx([3e-6, 3e-6 - half, 3e-6 + half])
     every, regular, irregular = rows(data)
     assert (every[-1], regular[-1], irregular[-1]) == ("1 to 3", "1", "3")
-    assert regular[3:5] == every[3:5] == ("-", "-") and "-" not in irregular
+    assert regular[3] == regular[4] == regular[2] and "-" not in (*irregular, *every)
+    alone = data.isel(seed=[0])
+    assert np.isnan(lives(alone).damage.sel(estimate="low")).all()
 
 
 def test_realizations_that_failed_are_told_those_that_have_not_run_are_not():
