@@ -9,9 +9,9 @@ of what resonates; less where damping is quadratic, and so less at first. In one
 settling. A shape that no wave is near, of frequency ω₀, goes with them, q = Σ φᵀCX exp(-iωt)/ω₀². With z = q + iq'/ω₀
 of that the ramp r(t) leaves
 
-    e(t) = c exp(-(½B + iω₀)t),    c = -∫ exp((½B + iω₀)s) r'(s) z(s) ds,
+    e(t) = c exp(-(½B + iω₀)(t - t₀)),    c = -∫ exp((½B + iω₀)(s - t₀)) r'(s) z(s) ds
 
-which adds ½|c|² exp(-Bt₁) (1 - exp(-BT))/(BT) to the variance.
+after its end t₀, which adds ½|c|² exp(-B(t₁ - t₀)) (1 - exp(-BT))/(BT) to the variance.
 """
 
 from collections.abc import Iterator
@@ -36,6 +36,7 @@ WELL = 0.01  # of it: what the discard leaves that is told
 LEFT = 0.01  # of a std: what is said of the start's own swinging
 LONG = 10.0  # times 1/B: after that nothing is left of it
 SHARED = 0.1  # of what a shape moves most
+FAST = 4.0  # times the fastest wave's frequency: waves that set in swing nothing faster
 OFTEN = 20  # instants of a ramp, in the shortest period
 WIDTHS = 2.0  # of a resonance, B, to either side, which have 84 % of it
 
@@ -90,13 +91,15 @@ def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     if not (met.any() and (modes.omega > 0).any()):
         return
     of, omega = _Begun.of(system, h, modes.omega > 0), sea.omega[met]
-    on = ~of.near(omega).any(axis=1) & (of.B * max(s.discard - s.ramp, 0.0) < LONG) & ~_braked(system, of.shapes)
+    since = max(s.discard - s.ramp, 0.0)
+    on = ~of.near(omega).any(axis=1) & (of.own < FAST * omega.max()) & (of.B * since < LONG)
+    on &= ~_braked(system, of.shapes)
     if not on.any():
         return
     of = _Begun(of.own[on], of.shapes[on], of.B[on], [of.names[k] for k in np.flatnonzero(on)])
     X = in_waves(system, h).X[met]
     q = X @ (linear_model(system).stiffness @ of.shapes.T) / of.own**2
-    share = 0.5 * (np.abs(_kicked(of, omega, q, s)) ** 2 * of.lasts(s.discard, s.duration))[:, None] * of.shapes**2
+    share = 0.5 * (np.abs(_kicked(of, omega, q, s)) ** 2 * of.lasts(since, s.duration))[:, None] * of.shapes**2
     squares = np.sum(np.abs(X) ** 2, axis=0)
     if not (used := _moving(system, squares)).any():
         return
@@ -105,7 +108,7 @@ def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     std, ends = np.sqrt(1 + share[k, j]) - 1, "nothing damps it"
     if std > LEFT:
         if of.B[k] > 0:
-            enough = s.discard + np.log(share[k, j] / (2 * WELL)) / of.B[k]
+            enough = s.ramp + since + np.log(share[k, j] / (2 * WELL)) / of.B[k]
             ends = f"discard = {enough:.2g} leaves {WELL:.0%}"
         yield f"{of.said(k)} still swings as the start made it: a std is some {std:.1%} above a lasting sea's; {ends}"
 
@@ -119,7 +122,7 @@ def _kicked(of: _Begun, omega: np.ndarray, q: np.ndarray, s: Settings) -> np.nda
         at, rise = np.zeros(1), np.ones(1)
     turning = np.exp(-1j * np.outer(at, omega))
     z = (turning @ q).real + 1j * (turning @ (-1j * omega[:, None] * q)).real / of.own
-    return np.asarray(-np.sum(np.exp(np.outer(at, of.B / 2 + 1j * of.own)) * rise[:, None] * z, axis=0))
+    return np.asarray(-np.sum(np.exp(np.outer(at - s.ramp, of.B / 2 + 1j * of.own)) * rise[:, None] * z, axis=0))
 
 
 def from_rest(system: System, h: Hydrodynamics | None) -> Iterator[str]:
