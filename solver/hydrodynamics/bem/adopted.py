@@ -27,7 +27,7 @@ from solver.hydrodynamics.bem.coefficients import (
 from solver.hydrodynamics.bem.exerted import Floats
 from solver.hydrodynamics.bem.given import KEY, Given, about
 from solver.hydrodynamics.bem.incident import Sea
-from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov
+from solver.hydrodynamics.bem.mean_hull import at_rest, froude_krylov, motion_lengths
 from solver.hydrodynamics.bem.passive import mended, require_passive, scales
 from solver.hydrodynamics.bem.radiated import infinite, require_damping, require_energy, require_together
 from solver.hydrodynamics.hull.mesh import Hull
@@ -38,6 +38,7 @@ PUSHED = 1e-3  # of the largest wave force along a float's axes: less along anot
 CURVES = ("added_mass", "radiation_damping", "diffraction", "froude_krylov")  # the last is known exactly
 SPACED = 1 / 8  # of what curves through every other frequency miss, those through all do at least
 MANY = 12  # frequencies from which it is judged whether one stands out
+FAINT = 0.01  # of what a body has along others: a round hull's yaw is next to nothing
 HARDLY = 0.05  # of what ωA says, of damping
 SPIKE = 0.05, 4.0  # of a curve's largest, and times the next, by which one frequency misses a curve without it
 BESIDE = 2  # frequencies on each side by which that is told
@@ -105,7 +106,7 @@ def adopted(
     other = replace(six, points=centres - doubt, added_mass_inf=added + unsure, radiation_damping=damping + lacks)
     perhaps = _curves(about(other, centres), expected, index, told)
     there, second = np.isin(index, moved), _left_out(h, 2)
-    if sentence := _standing_out(h, second, there, names):
+    if sentence := _standing_out(h, second, there, motion_lengths(hulls, dofs), names):
         h = replace(h, settings=MappingProxyType({**h.settings, STANDS_OUT: sentence}))
     pushed = there | (told & (np.arange(told.size) % 6 < 3))[index]  # joints bear forces along what they hold
     judged = {name: np.outer(there, there) for name in curves} | {"diffraction": pushed}
@@ -168,19 +169,28 @@ def _curves(six: Given, expected: np.ndarray, index: np.ndarray, told: np.ndarra
     }
 
 
-def _standing_out(h: Hydrodynamics, missed: dict[str, np.ndarray], there: np.ndarray, names: Sequence[str]) -> str:
-    """What one frequency alone says of a motion (n,), and those beside it do not; nothing where none does."""
+def _standing_out(
+    h: Hydrodynamics, missed: dict[str, np.ndarray], there: np.ndarray, lengths: np.ndarray, names: Sequence[str]
+) -> str:
+    """What one frequency alone says of a motion (n,), and those beside it do not; nothing where none does.
+
+    lengths (n,): by which a body's motions compare, see motion_lengths.
+    """
     worst, sentence, (least, times) = 0.0, "", SPIKE
     if len(h.omega) < MANY:
         return ""
     inertia = np.diagonal(h.added_mass, axis1=1, axis2=2)
+    body = np.arange(len(there)) // len(h.dofs)
     words = {"added_mass": "added mass", "radiation_damping": "damping", "diffraction": "wave force"}
     for name, off in missed.items():
         each = off, getattr(h, name)
         error, curve = (x if x.ndim == 2 else np.diagonal(x, axis1=1, axis2=2) for x in each)
-        size = np.abs(curve).max(axis=0)
+        size, largest = np.abs(curve).max(axis=0), np.zeros(len(there))
+        unit = lengths ** (2 if off.ndim == 3 else 1)
         if name == "radiation_damping":  # that is little beside what is accelerated matters little
             size = np.maximum(size, HARDLY * np.abs(h.omega[:, None] * inertia).max(axis=0))
+        np.maximum.at(largest, body, size / unit)
+        size = np.maximum(size, FAINT * largest[body] * unit)
         share = np.abs(error) / np.maximum(size, np.finfo(float).tiny)
         for j in np.flatnonzero(there):
             w = int(share[:, j].argmax())

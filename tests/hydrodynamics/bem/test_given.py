@@ -150,6 +150,16 @@ def test_a_frequency_that_stands_out_is_named(factor, said):
     assert any(where in note for note in notes) is said and len(notes) == said
 
 
+@pytest.mark.parametrize(("motion", "share", "said"), [(3, 1e-4, False), (2, 0.2, True)])
+def test_a_spike_of_next_to_nothing_is_none(motion, share, said):
+    """Of a ball's roll, which radiates nothing, beside what its heave does."""
+    h = alone()
+    spiked = h.radiation_damping.copy()
+    spiked[9, motion, motion] += share * h.radiation_damping[:, 2, 2].max()
+    notes = cautions(taken(told(h, radiation_damping=spiked), **ALONE, **SEA))
+    assert any("is it a slip" in note for note in notes) is said
+
+
 def test_the_order_of_frequencies_and_named_bodies_does_not_matter():
     h, turned = ours(), np.r_[6:12, 0:6]
     rows = np.argsort(np.cos(np.arange(len(h.omega))))
