@@ -36,8 +36,8 @@ CHOSEN = ("pto_damping", "hinge_spacing")  # and any axis of the floats' keys
 TITLE = "Best in each sea state"
 NOTE = (
     f"Of all floats, mean over realizations; low and high: {LEVEL:.0%} by Student's t. All seas: by their occurrence."
-    " A number at an end of its axis may be exceeded beyond; any: all have the same. Compared are designs that have all"
-    " realizations of a sea that any has."
+    " A number at an end of its axis may be exceeded beyond; any: all have the same; alike: as many more have. Compared"
+    " are designs that have all realizations of a sea that any has."
 )
 PAIRED = (
     f" The next best has less by the mean of the differences in the same waves, in brackets {LEVEL:.0%}; undecided: 0"
