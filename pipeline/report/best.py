@@ -93,8 +93,8 @@ class Compared(NamedTuple):
     @property
     def ties(self) -> int:
         """How many more take as much as the best, but for those along what the best do not differ by."""
-        best = self.mean >= self.mean.isel(self.at, drop=True) - self.least
-        same = best.isel({dim: place for dim, place in self.at.items() if dim not in self.free})
+        best, free = self.mean >= self.mean.isel(self.at, drop=True) - self.least, self.free
+        same = best.isel({dim: place for dim, place in self.at.items() if dim not in free})
         return int(best.sum()) - int(same.sum())
 
 
@@ -130,7 +130,9 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
                 yield label, f"none (of 0 among {of.mean.size})", *["-"] * (5 if _several(data) else 3), counted(each)
             if not of.mean.fillna(0.0).any():  # nor is there a best of none that takes power
                 continue
-            chosen = "any" if of.alike(designs) else ", ".join(_chosen(of)) + f" (and {of.ties} alike)" * (of.ties > 0)
+            chosen = "any" if of.alike(designs) else ", ".join(_chosen(of))
+            if chosen != "any" and (ties := of.ties):
+                chosen += f" (and {ties} alike)"
             chosen += " (all lose)" * bool(of.mean.max() < 0)
             if (known := int(of.mean.notnull().sum())) < of.mean.size:
                 chosen += f" (of {known} among {of.mean.size})"
@@ -162,8 +164,7 @@ def compared(each: xr.DataArray, designs: Sequence[Hashable], some: xr.Dataset) 
     mean = found.sel(estimate="value", drop=True).where(_whole(each, designs))
     at = {dim: int(place) for dim, place in mean.fillna(-np.inf).argmax(designs).items()}
     ahead = over_seas(each.isel(at, drop=True) - each, some)
-    several = each.sizes.get("seed", 1) > 1
-    return Compared(found, mean, at, ahead, _both(each, at, some), off(each, some), several)
+    return Compared(found, mean, at, ahead, _both(each, at, some), off(each, some), _several(each))
 
 
 def _both(each: xr.DataArray, at: Mapping[Hashable, int], some: xr.Dataset) -> xr.DataArray:
@@ -177,7 +178,7 @@ def _both(each: xr.DataArray, at: Mapping[Hashable, int], some: xr.Dataset) -> x
     return sum(off(one, some) ** 2 for one in apart) ** 0.5
 
 
-def _several(data: xr.Dataset) -> bool:
+def _several(data: xr.Dataset | xr.DataArray) -> bool:
     return data.sizes.get("seed", 1) > 1
 
 

@@ -259,14 +259,15 @@ def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     What is rounding beside the variable's largest is 0, as the force of a hinge along an axis that it leaves free.
     Electrical power of a float without an efficiency is what it absorbs, as in its energy.
     """
+    # Of a regular sea there is one task, whatever the seed.
+    own = data["task"].copy(data=once(data["task"].values)) if "task" in data else True
     for label in data.data_vars:
         known = "statistic" in data[label].dims or label in AT_STOPS
         if not known or (values := data[label].compute()).isnull().all():
             continue
         if label == "electrical_power":
             values = values.fillna(data["absorbed_power"].compute())
-        if "task" in data:  # of a regular sea there is one, whatever the seed
-            values = values.where(data["task"].copy(data=once(data["task"].values)))
+        values = values.where(own)
         if label in AT_STOPS:
             values = values.expand_dims(statistic=[""])
         size = abs(values)

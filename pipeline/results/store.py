@@ -31,7 +31,7 @@ from pipeline.results.status import Status, read_json, read_status
 from pipeline.study.reading import StudyError
 from pipeline.tasks.task import Task
 
-WRITER = f"{os.getpid()}-{secrets.token_hex(4)}"  # two containers that share a folder may number processes alike
+CONTAINER = secrets.token_hex(4)  # two that share a folder may number processes alike; forked ones differ by number
 LEFT = 3600.0  # a part to which nothing is written for so long is a killed run's [s]
 MANY = 4  # files from which on one flush of the file system is sooner done than one for each
 _syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)  # Linux alone has it
@@ -133,7 +133,7 @@ def write_atomic(path: Path, data: bytes) -> None:
 
 
 def _partial(path: Path) -> Path:
-    return path.with_name(f".{path.name}.{WRITER}.part")
+    return path.with_name(f".{path.name}.{os.getpid()}-{CONTAINER}.part")
 
 
 def leftovers(folder: Path) -> Iterator[Path]:

@@ -65,6 +65,10 @@ class _Begun(NamedTuple):
         """Which of waves (nw,) are by each shape's resonance (m, nw)."""
         return np.abs(omega - self.own[:, None]) <= WIDTHS * self.B[:, None]
 
+    def enough(self, k: int, discard: float, share: float) -> str:
+        """By which discard a share of a variance, told with this one [s], comes down to WELL of the std."""
+        return f"discard = {discard + np.log(share / (2 * WELL)) / self.B[k]:.2g} leaves {WELL:.0%}"
+
     def said(self, k: int) -> str:
         """Name and period of one."""
         return f"{self.names[k]}, {2 * np.pi / self.own[k]:.3g} s,"
@@ -105,11 +109,9 @@ def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
         return
     share = share[:, used] / (0.5 * squares[used])
     k, j = np.unravel_index(share.argmax(), share.shape)
-    std, ends = np.sqrt(1 + share[k, j]) - 1, "nothing damps it"
+    std = np.sqrt(1 + share[k, j]) - 1
     if std > LEFT:
-        if of.B[k] > 0:
-            enough = s.ramp + since + np.log(share[k, j] / (2 * WELL)) / of.B[k]
-            ends = f"discard = {enough:.2g} leaves {WELL:.0%}"
+        ends = of.enough(int(k), s.ramp + since, share[k, j]) if of.B[k] > 0 else "nothing damps it"
         yield f"{of.said(k)} still swings as the start made it: a std is some {std:.1%} above a lasting sea's; {ends}"
 
 
@@ -142,8 +144,7 @@ def from_rest(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     k = int(lost.argmax())
     std = 1 - np.sqrt(1 - lost[k])
     if std > LACKS:
-        enough = s.ramp + since + np.log(lost[k] / (2 * WELL)) / of.B[k]
         yield (
             f"{of.said(k)} begins at rest and takes {1 / of.B[k]:.2g} s to swing as it will in"
-            f" these waves: a std is some {std:.0%} below a lasting sea's; discard = {enough:.2g} leaves {WELL:.0%}"
+            f" these waves: a std is some {std:.0%} below a lasting sea's; {of.enough(k, s.ramp + since, lost[k])}"
         )

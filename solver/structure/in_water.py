@@ -64,16 +64,20 @@ def too_soft(model: FrameModel, at_rest: np.ndarray, factor: float) -> Iterator[
         )
 
 
+def _first(names: list[str]) -> str:
+    """The first one, and how many more there are."""
+    return names[0] + (f" and {len(names) - 1} more" if len(names) > 1 else "")
+
+
 def unloaded(frame: Frame, *, waves: bool, current: bool) -> Iterator[str]:
     """Sentences for members below still water that neither waves nor a current load."""
     wet = [m for m in frame.members if m.section.diameter > 0 and frame.ends(m)[:, 2].min() < 0]
     spared = [m.name for m in wet if not m.in_water]
     if (waves or current) and spared:
-        more = f" and {len(spared) - 1} more" if len(spared) > 1 else ""
         which = "all that is in water is" if len(spared) == len(wet) else "in water"
         what = " and ".join(name for name, given in (("waves", waves), ("the current", current)) if given)
         yield (
-            f"platform.members.{spared[0]}{more}: {which} without drag_coefficient and inertia_coefficient, so that"
+            f"platform.members.{_first(spared)}: {which} without drag_coefficient and inertia_coefficient, so that"
             f" {what} pass through it: are they left out?"
         )
     elif current and wet and not any(m.drag_coefficient > 0 for m in wet):
@@ -84,8 +88,7 @@ def left_dry(frame: Frame) -> Iterator[str]:
     """A sentence for members whose axis lies in still water's surface, which wets what is below it alone."""
     names = [m.name for m in frame.members if m.in_water and not frame.ends(m)[:, 2].any()]
     if names:
-        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
         yield (
-            f"platform.members.{names[0]}{more}: its axis lies at z = 0, where it is wholly dry, without load of waves,"
+            f"platform.members.{_first(names)}: its axis lies at z = 0, where it is wholly dry, without load of waves,"
             " added mass and buoyancy; below that it is wholly wet, and wave_stretching loads it as waves rise"
         )
