@@ -36,9 +36,9 @@ STEEP = 3.0  # the least slope of curves: damage is off by as many times what st
 AT = {"damage": "foot", "damage_top": "top"}  # of the legs, by variable
 HEADER = ("", "where", "damage a year", "low", "high", "life [years]", "low", "high", "realizations")
 NOTE = (
-    f"; low and high: {LEVEL:.0%} by Student's t, of the damage's logarithm. With one realization there are none; of few"
-    " or short ones, among which damage is skewed, more of it than `high` is likelier than that says. Life is 1/damage,"
-    " of the fibre with the most."
+    f"; low and high: {LEVEL:.0%} by Student's t, of the damage's logarithm. With one realization there are none; of"
+    " few or short ones, among which damage is skewed, more of it than `high` is likelier than that says. Life is"
+    " 1/damage, of the fibre with the most."
 )
 
 
@@ -47,8 +47,8 @@ def lives(data: xr.Dataset, variable: str = "damage", weights: Any = None) -> xr
 
     variable: "damage" or "damage_top" of a collected dataset; weights (sea_state,): its `occurrence`, else equal ones.
     Realizations' damage is skewed, and so the interval is that of its logarithm, D exp(±h/D) by half the width h that
-    `over_seas` has: of ten lognormal realizations that scatter by as much as their mean, more than `high` is true of 8 %
-    and not of 13 %. Life is 1/D, the interval's ends change places; of no damage it has no end. Means leave out
+    `over_seas` has: of ten lognormal realizations that scatter by as much as their mean, more than `high` is true of
+    8 % and not of 13 %. Life is 1/D, the interval's ends change places; of no damage it has no end. Means leave out
     realizations that failed, `failed_realizations` of all sea states.
     """
     return _lives(realized(data, data[variable]), weighed(data) if weights is None else weights)
