@@ -1,7 +1,7 @@
 """What errors of coefficients, and shapes that are left out, do to the response of the scene's linear model."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -18,7 +18,7 @@ from solver.lines import lengths, real_by_complex, real_parts
 from solver.multibody.joint_law import JointLaw
 from solver.record import decay
 from solver.record.channels import Channels
-from solver.record.response import absorbs, in_waves
+from solver.record.response import absorbs, drag_damping, in_sea, in_waves
 from solver.record.sampling import least_force, least_motion
 from solver.record.slow import slow_effect
 from solver.statistics import FAINT
@@ -129,6 +129,29 @@ def force_error(system: System, forces: np.ndarray, exact: np.ndarray) -> float:
     return float(np.max(np.abs(std - true) / np.maximum(true, least), initial=0.0))
 
 
+def step_effect(system: System, h: Hydrodynamics | None) -> float:
+    """What the step changes of the linear response's std and mean power: a shape that is damped by little resonates at
+    the period that steps give it, and a run's start, shorter than 1/ζω, does not know by how much.
+
+    Steps of h take what swings on by exp(-iωh) that by itself has ω' with R(-iω'h) = exp(-iωh), R(x) =
+    (1 + x/2 + x²/12)/(1 - x/2 + x²/12) of the scheme: tan ½ωh = ½ω'h/(1 - (ω'h)²/12), ω' = ω (1 + (ωh)⁴/720) nearly.
+    Besides, forces of frequency ω count as (ωh)⁴/576 larger at a step's end, and by (ωh)⁴/384 less than that in its
+    middle. What swings up until the end T of a record does so as if ω were ω + i/T.
+    """
+    s, sea = system.scene.settings, system.scene.sea
+    met = np.abs(sea.amplitude) > 0
+    if not met.any():
+        return 0.0
+    omega, model = sea.omega[met], linear_model(system) if h is None else moving_model(system, h)
+    modes = model.modes + [[0.0], [1.0], [0.0]] * np.diag(drag_damping(system))
+    model, Y, force = replace(model, modes=modes), in_sea(system, h)[met], force_of_waves(system, h)[met]
+    turn = np.tan(omega * system.dt / 2)
+    seen = 4 * turn / (1 + np.sqrt(1 + 4 * turn**2 / 3)) / system.dt
+    exact, X = (model.response(w + 1j / (s.discard + s.duration), Y, force) for w in (omega, seen))
+    X *= 1 + (omega[:, None] * system.dt) ** 4 / 2304
+    return response_error(system, system.bodies.law, omega, X, exact, seen)
+
+
 def shapes_effect(system: System, h: Hydrodynamics | None) -> float:
     """What the shapes left out of a frame's motion change of the std and mean of its legs' tops in the linear response.
 
@@ -175,12 +198,22 @@ def _tops_and_inertia(support: Support) -> np.ndarray:
     return shared(np.concatenate([support.shapes[rest.tops], rest.inertia.T]))
 
 
-def response_error(system: System, law: JointLaw, omega: np.ndarray, X: np.ndarray, exact: np.ndarray) -> float:
-    """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law."""
+def response_error(
+    system: System,
+    law: JointLaw,
+    omega: np.ndarray,
+    X: np.ndarray,
+    exact: np.ndarray,
+    seen: np.ndarray | None = None,
+) -> float:
+    """Largest relative change of a coordinate's std, or of its rate's square where that is power absorbed by a law.
+
+    seen (nw,): the frequencies of X, if others.
+    """
     size, true_size = lengths(X.T), lengths(exact.T)
     largest = linear_model(system).length * true_size
     used = largest > max(FAINT * largest.max(initial=0.0), least_motion(system.scene))
-    takes, squared = used & absorbs(system, law), np.repeat(omega**2, 2)
-    rate, true_rate = (real_parts(x.T)[takes] ** 2 @ squared for x in (X, exact))
+    takes, each = used & absorbs(system, law), ((X, omega if seen is None else seen), (exact, omega))
+    rate, true_rate = (real_parts(x.T)[takes] ** 2 @ np.repeat(w**2, 2) for x, w in each)
     changes = np.concatenate([size[used] / true_size[used], rate / true_rate])
     return float(np.abs(changes - 1).max(initial=0.0))

@@ -23,7 +23,7 @@ from solver.multibody.minimal import move, pressures
 from solver.multibody.of_axes import taking
 from solver.power_takeoff import PtoTable
 from solver.record.channels import Channels
-from solver.record.effects import coefficient_effects, memory_effect, shapes_effect, together
+from solver.record.effects import coefficient_effects, memory_effect, shapes_effect, step_effect, together
 from solver.record.elements import elements_effect
 from solver.record.recorder import Recorder
 from solver.record.sampling import at_ends, between_samples, expected_error, from_start, least_force, of_every_other
@@ -111,7 +111,7 @@ class Probe:
         """Relative errors of any mean, rms or std by their causes, and `estimated_error`."""
         if not self._errors:
             clock = time.perf_counter()
-            parts = step_errors(self) | {"quadrature_error": quadrature_error(self.system, self)}
+            parts = step_errors(self, hydrodynamics) | {"quadrature_error": quadrature_error(self.system, self)}
             if self._before:
                 parts = {name: max(error, parts.get(name, 0.0)) for name, error in self._before.items()}
                 del parts["estimated_error"]
@@ -151,11 +151,12 @@ def sharpest_bend(scene: Scene) -> float:
     return max((history.bend for history in histories), default=(0.0, np.inf))[1]
 
 
-def step_errors(probe: Probe) -> dict[str, float]:
+def step_errors(probe: Probe, h: Hydrodynamics | None) -> dict[str, float]:
     """Of every mean, rms and std of the record, from what is judged of it and a run of that with half the step.
 
     `discretization_error`: the scheme is of fourth order, so that run differs by 15/16 of the error; or what the steps
-    miss of load histories, where that is more, of which such a run may know as little. `sampling_error`,
+    miss of load histories or do to what is damped by little, where that is more, of which such a run may know as
+    little. `sampling_error`,
     where a joint's law may jump: what lies between samples half a step apart, by that run's; and the record's ends,
     or where nothing is discarded, that no sample is at the start.
     """
@@ -174,7 +175,7 @@ def step_errors(probe: Probe) -> dict[str, float]:
         exact = {name: x[1::2] for name, x in exact.items()}
     differ = partial(expected_error, cut=(cut, pieces))
     step = statistics_error(system, scene, differ, own, exact)
-    step = max(step * 16 / 15, missed(system, system.dt))
+    step = max(step * 16 / 15, missed(system, system.dt), step_effect(system, h))
     return {"discretization_error": step, "sampling_error": together((between, ends))}
 
 
