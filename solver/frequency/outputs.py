@@ -79,10 +79,12 @@ def _of_law(case: Case, axes: np.ndarray) -> np.ndarray:
 
 
 def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], tables: dict[str, np.ndarray]) -> None:
-    """By the whole law what axes bear that it bends, in place: `pto_force`, and along those of a float on fixed ground
-    its `hinge_force`, with all that goes by rate.
+    """By the whole law what axes bear that it bends, in place: `pto_force`, and along an axis that slides the joint's
+    `hinge_force`, with all that goes by rate.
 
-    Axes that friction holds bear what the linear model says.
+    Axes that friction holds bear what the linear model says. On a float, which tilts, a joint has part of what it bears
+    across its axis along it: of second order, but beside a limit most of the largest. Of these no less is told than by
+    lines.
     """
     scene, channels, rates = case.system.scene, case.channels, rate_lines(case, response)
     nc = case.system.structure.carrier.shape[0]
@@ -90,19 +92,22 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
     if not by_rate.any():
         return
     owner, of_lines = channels.owner, {name: lines for name, _, lines in linear}
-    fixed = np.array([scene.platform is None and scene.carriers[b] < 0 for b in owner], bool)
+    tilts = np.array(scene.carriers)[owner] >= 0
     slides, moved = np.array([name in DOFS[:3] for name in channels.names], bool), ~response.stuck
-    along = moved & fixed & slides & by_rate
     for name, which, of, order in (
         ("pto_force", moved & response.bends, pto_load, channels.axes),
-        ("hinge_force", along, rate_load, DOFS),
+        ("hinge_force", moved & slides & by_rate, rate_load, DOFS),
     ):
         axes = np.flatnonzero(which)
         if name in tables and axes.size:
             at = owner[axes], [order.index(channels.names[j]) for j in axes]
             usual, lines = tables[name][at], of_lines[name][:, *at]
             at_rate = of(law, nc + axes), rates[:, axes]
-            tables[name][at] = borne_table(*at_rate, usual, lines, case.process, response.excess[axes])
+            found = borne_table(*at_rate, usual, lines, case.process, response.excess[axes])
+            if name == "hinge_force":
+                for end, beyond in enumerate((np.maximum, np.minimum)):
+                    found[:, end] = np.where(tilts[axes], beyond(found, usual)[:, end], found[:, end])
+            tables[name][at] = found
 
 
 def of_squares(case: Case, response: Response, platform: OfPlatform, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:
