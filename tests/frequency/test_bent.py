@@ -131,24 +131,23 @@ def test_forces_and_power_are_the_marchs(build, law, limit, one):
         assert np.ptp(of_hinge[:2]) == approx(np.ptp(hinge[:2]), rel=0.05)
 
 
-@pytest.mark.parametrize(("on", "law"), [
-    ("float", {"coulomb": 5e3, "damping": 1e4}), ("platform", {"pto_damping": 1e5, "force_limit": 1.5e3}),
-])  # fmt: skip
-def test_a_guide_on_what_moves_bears_its_whole_law(law, on):
-    """Linear damping that absorbs as much has √(2/π) of a constant load's std."""
+@pytest.mark.parametrize("on", ["float", "platform"])
+def test_a_guide_on_what_moves_bears_its_whole_law(on):
+    """Linear damping that absorbs as much has √(2/π) of a constant load's std. A float might tilt."""
     (item, h), outputs = pair() if on == "float" else awkward.unequal_legs(), ("pto_force",)
     carrier, slider = item.floats if on == "float" else (None, item.floats[0])
-    slider = replace(slider, **{"motion": ("heave",), "pto_damping": 0.0} | law | ({"on": "a"} if carrier else {}))
+    law = {"motion": ("heave",), "pto_damping": 1e5, "force_limit": 1.5e3, "on": carrier.name if carrier else ""}
+    slider = replace(slider, **law)
     floats = (replace(carrier, pto_damping=4e4), slider) if carrier else (slider,)
     item = replace(item, floats=floats, settings=replace(item.settings, froude_krylov="linear", outputs=outputs))
     march, lines = (run(item, h).variables for run in (simulate, by_lines))
     (true, of_joint), (_, of_law) = ([x[n][1][-1] for x in (march, lines)] for n in ("hinge_force", "pto_force"))
     assert of_joint[2, 4] == approx(true[2, 4], rel=0.08)
+    assert of_joint[2, 4] == approx(of_law[0, 4], rel=1e-6)
     if on == "platform":
-        assert of_joint[2, 4] == approx(of_law[0, 4], rel=1e-6)
         assert np.ptp(of_joint[2, :2]) == approx(np.ptp(true[2, :2]), rel=0.02)
     else:
-        assert np.ptp(of_joint[2, :2]) > np.ptp(true[2, :2])
+        assert np.ptp(of_joint[2, :2]) > 2 * np.ptp(of_law[0, :2])
 
 
 @pytest.mark.parametrize(("level", "far"), [(0.0, 0.02), (3.0, 0.04)])
