@@ -184,16 +184,17 @@ def remembered(
     hulls: tuple[Hull, ...],
     tolerance: float,
     ways: tuple[tuple[str, ...], ...],
+    hold: float = fitting.LOOSE,
 ) -> RadiationMemory:
     """The memory of a set of coefficients, of bodies with these motions: tasks that differ in sea, damping or support
-    share its fit.
+    share its fit. hold: how hard A∞ is held, see `fit`.
     """
     moved = h.moved(ways)
     usual = h.memory_tolerance == tolerance
-    if h.memory is not None and usual and np.all(h.moved(h.memory_motions) == moved):
+    if h.memory is not None and usual and hold == fitting.LOOSE and np.all(h.moved(h.memory_motions) == moved):
         return h.memory
     known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
-    return fitting.fit(*known, tolerance, motion_lengths(hulls, h.dofs), h.body, moved, h.resolved)
+    return fitting.fit(*known, tolerance, motion_lengths(hulls, h.dofs), h.body, moved, h.resolved, hold)
 
 
 def _reaches(scene: Scene, slid: np.ndarray) -> list[float]:

@@ -9,6 +9,10 @@ Z the linear model's dynamic stiffness and E x what radiates, a change δY of th
 What resonates below the waves and is driven there counts by what a misfit does to its resonance, see `slow`.
 Poles are the coefficients' and not the sea's: those of the usual fit stay, or somewhat more are sought as it sought
 them, once for all seas. What they weigh is found again, which is soon done.
+
+Water that rings in a band narrower than the frequencies are apart may take the fit's A∞ so far from the boundary
+elements' that M + A∞ is not positive, and nothing stable. There A∞ is held nearer to theirs, no more than it must:
+the rest fits the worse for it, which `memory_effect` tells.
 """
 
 from dataclasses import replace
@@ -20,12 +24,12 @@ import numpy as np
 from solver import motions
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.moving import excitation, moving_model
-from solver.coupled.preparation import prepare
+from solver.coupled.preparation import prepare, remembered
 from solver.coupled.system import KNOWN, System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull.mesh import Hull
-from solver.hydrodynamics.radiation.fitting import HOPELESS, USUAL, Samples, samples
+from solver.hydrodynamics.radiation.fitting import HOPELESS, LOOSE, USUAL, Samples, samples
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits, shared
 from solver.record.accuracy import MARGIN, SHARE
@@ -40,6 +44,7 @@ TIMES = (2, 4, 8, 16)  # that what misfits do to the motions counts, one after a
 MORE = (1.25, 1.5)  # times as many poles as the usual fit has, one after another, where with those it is not
 FEW = 12  # motions that there are and are fitted again, wherever the usual fit ended
 SEVERAL, MANY = 21, 24  # and where it met its tolerance, with more poles or, twice, its own: passive residues take long
+HOLDS = tuple(LOOSE * 10.0**n for n in range(1, 5))  # on A∞, one after another until all that moves has mass
 LEAST = 0.1  # of a motion's largest response: changes of less are relative to that
 
 Ways = tuple[tuple[str, ...], ...]  # motions that each float can have
@@ -47,7 +52,7 @@ Ways = tuple[tuple[str, ...], ...]  # motions that each float can have
 
 def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
     """The scene as arrays; its memory is fitted to the motions where the usual fit sways them more than it may."""
-    usual, asked = prepare(scene, h), scene.settings
+    (usual, _), asked = _usual(scene, h), scene.settings
     if h is None or usual.fit is None or asked.memory == "convolution" or asked.memory_tolerance is not None:
         return usual
     hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
@@ -58,12 +63,33 @@ def prepared(scene: Scene, h: Hydrodynamics | None) -> System:
     return usual if fit is usual.fit else prepare(scene, h, fit)
 
 
+def _usual(scene: Scene, h: Hydrodynamics | None) -> tuple[System, float]:
+    """With the memory as any scene has it, and how hard its A∞ is held: where it must be for M + A∞ > 0."""
+    usual = prepare(scene, h)
+    if h is None or usual.fit is None or _has_mass(usual, usual.fit) or not _has_mass(usual, h):
+        return usual, LOOSE
+    hulls, ways = tuple(f.hull for f in scene.floats), motions.of_scene(scene)
+    for hold in HOLDS:
+        fit = remembered(h, hulls, scene.settings.memory_tolerance or USUAL, ways, hold)
+        if _has_mass(usual, fit):
+            break
+    return prepare(scene, h, fit), hold
+
+
+def _has_mass(system: System, known: Hydrodynamics | RadiationMemory) -> bool:
+    """Whether all that moves has mass above zero, with this added mass at infinite frequency."""
+    model = linear_model(system)
+    change = model.active.T @ (known.added_mass_inf - system.bodies.added_mass) @ model.active
+    mass = (model.mass + change) / np.outer(model.length, model.length)
+    return bool(np.linalg.eigvalsh(mass).min(initial=np.inf) > 0)
+
+
 @lru_cache(maxsize=KNOWN)
 def _suited(scene: Scene, h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways) -> RadiationMemory | None:
     """The memory that does, or the best that there is: the same whatever the step, which runs are repeated with."""
-    asked, best = scene.settings.tolerance, prepare(scene, h)
+    asked, (best, hold) = scene.settings.tolerance, _usual(scene, h)
     allowed = SWAYED if asked is None else SHARE["memory_effect"] ** 0.5 * asked / MARGIN
-    usual, effect, moving = best.fit, _swayed(best, h), (h, hulls, ways)
+    usual, effect, moving = best.fit, _swayed(best, h), (h, hulls, ways, hold)
     if usual is None or effect <= allowed or (sampled := _sampled(*moving)) is None:
         return usual
     counts = np.maximum(importance(best, h), slow_importance(best, h))
@@ -75,7 +101,7 @@ def _suited(scene: Scene, h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways)
             continue
         fitted = prepare(scene, h, fit)
         less = _swayed(fitted, h)
-        if less < effect:
+        if less < effect and _has_mass(fitted, fit):
             best, effect = fitted, less
         if effect <= allowed:
             break
@@ -93,26 +119,31 @@ def _numbers(usual: RadiationMemory, sampled: Samples) -> list[int]:
 
 
 @lru_cache(maxsize=KNOWN)
-def _sampled(h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways) -> Samples | None:
+def _sampled(h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways, hold: float) -> Samples | None:
     """What memories of these coefficients are fitted to."""
     known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
-    return samples(*known, motion_lengths(hulls, h.dofs), h.body, h.moved(ways), h.resolved)
+    return samples(*known, motion_lengths(hulls, h.dofs), h.body, h.moved(ways), h.resolved, hold)
 
 
 @lru_cache(maxsize=KNOWN)
-def _poles(h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways, pairs: int) -> np.ndarray:
+def _poles(h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways, hold: float, pairs: int) -> np.ndarray:
     """So many pairs, as the usual fit seeks them: whatever the sea."""
-    sampled = _sampled(h, hulls, ways)
+    sampled = _sampled(h, hulls, ways, hold)
     assert sampled is not None, "asked where something radiates"
     return shared(sampled.unconstrained(pairs, USUAL).poles)
 
 
 @lru_cache(maxsize=KNOWN)
 def _weighed(
-    h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways, poles: Bits[np.ndarray], counts: Bits[np.ndarray]
+    h: Hydrodynamics,
+    hulls: tuple[Hull, ...],
+    ways: Ways,
+    hold: float,
+    poles: Bits[np.ndarray],
+    counts: Bits[np.ndarray],
 ) -> RadiationMemory | None:
     """The memory with these poles, by what misfits count."""
-    sampled = _sampled(h, hulls, ways)
+    sampled = _sampled(h, hulls, ways, hold)
     assert sampled is not None, "asked where something radiates"
     return sampled.counting(counts.value).with_poles(poles.value)
 

@@ -10,7 +10,8 @@ from solver import motions
 from solver.coupled.linear import impedance, linear_model
 from solver.coupled.moving import excitation
 from solver.coupled.natural import system_modes
-from solver.coupled.preparation import prepare
+from solver.coupled.preparation import prepare, remembered
+from solver.errors import SimulationFailed
 from solver.record import refit
 from solver.record.effects import coefficient_effects
 from solver.sea.realization import components
@@ -94,21 +95,77 @@ def test_poles_are_the_coefficients_and_shares_the_seas_whatever_came_before():
     (first, second), (late, early) = fits(one, other), fits(other, one)
     assert np.array_equal(first.residue, early.residue) and np.array_equal(second.residue, late.residue)
     assert first is not second
-    usual, sampled = prepare(one, h).fit, refit._sampled(h, tuple(f.hull for f in one.floats), motions.of_scene(one))
+    moving = h, tuple(f.hull for f in one.floats), motions.of_scene(one), refit.LOOSE
+    usual, sampled = prepare(one, h).fit, refit._sampled(*moving)
     numbers = refit._numbers(usual, sampled)
     assert numbers == [0, *sorted({int(np.ceil(share * usual.beta.size)) for share in refit.MORE})]
-    found = [refit._poles(h, tuple(f.hull for f in one.floats), motions.of_scene(one), n) for n in numbers[1:]]
+    found = [refit._poles(*moving, n) for n in numbers[1:]]
     for fit in (first, second):
         assert any(np.array_equal(fit.beta, poles) for poles in (usual.beta, *found))
 
 
 def test_more_poles_are_not_sought_where_those_there_may_be_come_not_near():
     item, h = undamped("big_beside_small", 1)
-    usual, sampled = prepare(item, h).fit, refit._sampled(h, tuple(f.hull for f in item.floats), motions.of_scene(item))
+    moving = h, tuple(f.hull for f in item.floats), motions.of_scene(item), refit.LOOSE
+    usual, sampled = prepare(item, h).fit, refit._sampled(*moving)
     assert len(refit._numbers(usual, sampled)) > 1
     assert refit._numbers(replace(usual, error=1.01 * refit.HOPELESS * refit.USUAL), sampled) == [0]
     most = replace(usual, beta=np.full(sampled.most, usual.beta[0]))
     assert refit._numbers(most, sampled) == [0, sampled.most]
+
+
+def weightless():
+    """A scene, its coefficients, their memory, and them with another whose A∞ is that of water that rings in a gap."""
+    item, h = SCENES["model_scale"]()
+    usual = prepare(item, h).fit
+    lost = replace(usual, added_mass_inf=-10 * usual.added_mass_inf)
+    ways = {"memory_tolerance": refit.USUAL, "memory_motions": motions.of_scene(item)}
+    return item, h, usual, replace(h, memory=lost, **ways)
+
+
+def test_a_memory_that_leaves_no_mass_is_fitted_again_with_that_of_the_boundary_elements(monkeypatch):
+    item, h, usual, known = weightless()
+    with pytest.raises(SimulationFailed, match="is not above zero"):
+        system_modes(prepare(item, known), known)
+    asked = replace(item, settings=replace(item.settings, memory_tolerance=refit.USUAL))  # which are not fitted again
+    for one in (item, asked):
+        fitted = refit.prepared(one, known)
+        system_modes(fitted, known)
+        assert fitted.fit.error <= refit.USUAL
+        assert coefficient_effects(fitted, known)[0] < 2 * refit.SWAYED
+    hulls, ways = tuple(f.hull for f in item.floats), motions.of_scene(item)
+
+    def off(fit):
+        return np.abs(fit.added_mass_inf - h.added_mass_inf).max()
+
+    assert same(fitted.fit, remembered(known, hulls, refit.USUAL, ways, refit.HOLDS[0]))
+    assert off(fitted.fit) < off(usual)
+    with monkeypatch.context() as once:  # held no harder than it must
+        held = dict.fromkeys(refit.HOLDS[:2], known.memory) | {refit.HOLDS[2]: usual}
+        once.setattr(refit, "remembered", lambda *asked: held[asked[-1]])
+        assert refit.prepared(asked, known).fit is usual
+
+
+def test_coefficients_that_leave_no_mass_themselves_are_told(monkeypatch):
+    item, _, _, known = weightless()
+    known = replace(known, added_mass_inf=known.memory.added_mass_inf)
+    monkeypatch.setattr(refit, "remembered", None)  # no other fit helps
+    asked = replace(item, settings=replace(item.settings, memory_tolerance=refit.USUAL))
+    with pytest.raises(SimulationFailed, match="is not above zero: are coefficients and inertia those"):
+        system_modes(refit.prepared(asked, known), known)
+
+
+def test_no_fit_to_the_motions_takes_their_mass(monkeypatch):
+    item, h = undamped("flap")
+    usual = prepare(item, h).fit
+    monkeypatch.setattr(refit, "TIMES", refit.TIMES[:1])
+    monkeypatch.setattr(refit, "MORE", ())
+    refit._suited.cache_clear()
+    assert not same(refit.prepared(item, h).fit, usual)
+    refit._suited.cache_clear()
+    monkeypatch.setattr(refit, "_has_mass", lambda _, known: known in {usual, h})
+    assert same(refit.prepared(item, h).fit, usual)
+    refit._suited.cache_clear()
 
 
 @pytest.mark.parametrize("name", ["big_beside_small", "soft_mooring"])

@@ -17,6 +17,7 @@ LOOSER = 2  # times the tolerance, where it is not met: of poles chosen for less
 UNRESOLVED = 0.1  # of what misfits count, where frequencies are too far apart
 BETTER = 0.9  # of a misfit above the tolerance: what one with more poles must have
 LOST = 1.0  # a misfit as large as what is fitted
+LOOSE = 0.5  # of the peak's frequency: where the BEM's A∞ is one more sample
 SETTLE, EQUALIZE = 4, 12  # relocations of the poles: with even weights, then with weights that lower the largest misfit
 
 
@@ -30,6 +31,7 @@ def fit(
     body: np.ndarray | None = None,
     moved: np.ndarray | None = None,
     resolved: np.ndarray | None = None,
+    hold: float = LOOSE,
 ) -> RadiationMemory:
     """The passive memory of least order whose misfit of B - iωA is at most `tolerance`, else one of nearly the best.
 
@@ -38,7 +40,7 @@ def fit(
     beyond the frequency ω_p where the diagonal over `lengths`² peaks they count less, 1/(1 + (ω/ω_p)⁶): velocities
     fall off about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
     reflected between bodies ripple there faster than the BEM's frequencies show. A∞ is fitted along:
-    the BEM's has an error too.
+    the BEM's has an error too, and counts as one more sample at `hold` times ω_p.
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
     boundary elements say nothing. Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell
     motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
@@ -51,7 +53,7 @@ def fit(
     """
     if not 0 < tolerance < LOST:
         raise InputError("memory_tolerance", tolerance, f"must be between 0 and {LOST:g}")
-    found = samples(omega, added_mass, radiation_damping, added_mass_inf, lengths, body, moved, resolved)
+    found = samples(omega, added_mass, radiation_damping, added_mass_inf, lengths, body, moved, resolved, hold)
     if found is None:  # as a cylinder in yaw
         none = np.zeros((0, *added_mass_inf.shape), complex)
         return RadiationMemory(beta=np.zeros(0, complex), residue=none, added_mass_inf=added_mass_inf, error=0.0)
@@ -65,8 +67,8 @@ def fit(
         looser *= LOOSER
     raise SimulationFailed(
         "radiation memory: no passive fit comes closer to the coefficients than their own size; where water resonates"
-        " in a gap between bodies they are too sharp: interaction = false leaves that out, and"
-        ' method = "frequency" needs no memory'
+        " in a gap between bodies they are too sharp: solver.gap_damping and gap_width damp it, interaction = false"
+        ' leaves it out, and method = "frequency" needs no memory'
     )
 
 
@@ -79,6 +81,7 @@ def samples(
     body: np.ndarray | None = None,
     moved: np.ndarray | None = None,
     resolved: np.ndarray | None = None,
+    hold: float = LOOSE,
 ) -> "Samples | None":
     """What `fit` fits, of its arguments; None where nothing that moves radiates more than mesh error."""
     n = len(added_mass_inf)
@@ -101,7 +104,7 @@ def samples(
         )
     told = sound if resolved is None else sound & resolved
     known = added_mass[sound], radiation_damping[sound], added_mass_inf
-    return Samples.of(omega[sound], *known, lengths, heard, moved, told[sound], sound)
+    return Samples.of(omega[sound], *known, lengths, heard, moved, told[sound], sound, hold)
 
 
 def _diagonal(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray, infinite: np.ndarray) -> np.ndarray:
@@ -139,7 +142,7 @@ class Samples:
     sound: np.ndarray  # bool, which of all frequencies these are
     infinite: np.ndarray  # (m,) scaled A∞
     n: int
-    peak: float  # ω_p [rad/s]
+    anchor: float  # at which A∞ is one more sample [rad/s]
     entries: tuple[np.ndarray, np.ndarray]  # (m,) rows and columns
     scale: np.ndarray  # (m,) sqrt(y_i y_j)
     whole_infinite: np.ndarray  # (N, N) [kg, ...] A∞ of all motions
@@ -156,6 +159,7 @@ class Samples:
         moved: np.ndarray,
         resolved: np.ndarray,
         sound: np.ndarray,
+        hold: float,
     ) -> "Samples":
         """Samples of the motions that radiate, which are `heard` (n,); arguments as of `fit`."""
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
@@ -181,7 +185,7 @@ class Samples:
             sound=sound,
             infinite=whole_infinite[i, j] / scale,
             n=len(own),
-            peak=float(peak),
+            anchor=float(hold * peak),
             entries=(i, j),
             scale=scale,
             whole_infinite=whole_infinite,
@@ -262,10 +266,9 @@ class Samples:
         weight = (self.weight * even)[:, None]
         columns = weight * np.column_stack([basis(poles, self.omega) @ span, 1j * self.omega])
         target = weight * self.samples
-        # The BEM's A∞ is one more sample, at the peak.
-        anchor = np.append(np.zeros(span.shape[1]), self.peak / 2)
+        anchor = np.append(np.zeros(span.shape[1]), self.anchor)
         columns = np.vstack([columns.real, columns.imag, anchor])
-        target = np.vstack([target.real, target.imag, self.peak / 2 * self.infinite])
+        target = np.vstack([target.real, target.imag, self.anchor * self.infinite])
         residual = columns @ np.linalg.lstsq(columns, target, rcond=None)[0] - target
         misfit = self._misfit(residual, self.counts, even)
         fitted = _Candidate(

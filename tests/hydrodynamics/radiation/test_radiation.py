@@ -128,7 +128,9 @@ def test_data_that_no_passive_body_has_are_refused(monkeypatch):
     with pytest.raises(SimulationFailed, match=rf"takes power .* at {OMEGA.size} of {OMEGA.size} frequencies"):
         fit(OMEGA, A, B - 9 * OMEGA[:, None, None] * np.eye(2), memory.added_mass_inf, 1e-3)
     monkeypatch.setattr("solver.hydrodynamics.radiation.fitting.LOST", 1e-12)
-    with pytest.raises(SimulationFailed, match="no passive fit comes closer to the coefficients than"):
+    with pytest.raises(
+        SimulationFailed, match=r"no passive fit .* in a gap .* solver\.gap_damping and gap_width damp it"
+    ):
         fit(*hulme(), 1e-13)
 
 
@@ -474,6 +476,17 @@ def test_where_misfits_count_the_same_as_ever_so_do_fits():
     assert again.error <= plain.error * (1 + 1e-9)
     assert np.array_equal(little.residue, again.residue)
     assert samples(omega, A, 0 * B, 0 * infinite, moved=np.zeros(1, bool)) is None
+
+
+def test_added_mass_is_held_as_hard_as_is_asked():
+    """Of coefficients whose A∞ is a tenth too large: fitted along it comes back, held it stays, and the rest misses."""
+    memory = known()
+    A, B = coefficients(memory, OMEGA)
+    given = 1.1 * memory.added_mass_inf
+    loose, *harder = (samples(OMEGA, A, B, given, hold=hold).with_poles(memory.beta) for hold in (0.5, 50.0, 5e3))
+    off = [np.abs(one.added_mass_inf - given).max() / np.abs(given).max() for one in (loose, *harder)]
+    assert off[0] > 0.05 and off[0] > 10 * off[1] > 100 * off[2]
+    assert all(is_passive(one) for one in (loose, *harder))
 
 
 def test_no_poles_are_sought_where_frequencies_are_too_far_apart():
