@@ -151,24 +151,31 @@ class Mesh:
         """S and D (nf, ng nf) of the part's panels at the middles of the whole's."""
         more = added(self.whole, self.bodies, self.part, seabed, k) if np.isfinite(seabed) else None
         depth, wave = (np.inf, deep_wavenumber(k, seabed)) if more else (seabed, k)
-        single, double = np.empty((2, self.part.nb_faces, len(self.bodies)), complex)
-        for pairs in self.alike:
-            influences = green_function().evaluate(
-                self.whole.faces_centers[pairs.at],
-                pairs.sources,
-                water_depth=depth,
-                wavenumber=wave,
-                adjoint_double_layer=False,
-                diagonal_term_in_double_layer=pairs.own,
-            )
-            for influence, of_all in zip(influences, (single, double), strict=True):
-                pairs.spread(influence.T, of_all)
+        single, double = self._asked(wave, depth)
         self._require_finite(single, double)
         double[~np.isfinite(double)] = 0.0
         if more:
             single += more[0].T
             double += more[1].T
         return single, double
+
+    def _asked(self, k: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
+        """The same without what `seabed` adds; what the Green function gives of all pairs is not copied."""
+        of_all = np.empty((2, self.part.nb_faces, len(self.bodies)), complex)
+        for pairs in self.alike:
+            influences = green_function().evaluate(
+                self.whole.faces_centers[pairs.at],
+                pairs.sources,
+                water_depth=depth,
+                wavenumber=k,
+                adjoint_double_layer=False,
+                diagonal_term_in_double_layer=pairs.own,
+            )
+            if len(self.alike) == len(pairs.of) == 1:  # turns bring none onto others
+                return influences[0].T, influences[1].T
+            for influence, out in zip(influences, of_all, strict=True):
+                pairs.spread(influence.T, out)
+        return of_all[0], of_all[1]
 
     def _require_finite(self, single: np.ndarray, double: np.ndarray) -> None:
         """Refuse influences (nf, ng nf) of panels that are not finite, but of dipoles on a middle on their edge."""

@@ -1,11 +1,14 @@
 """Pairs of panels that are turned onto each other: coefficients are those of the Green function of all pairs."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from pytest import approx
 
-from solver.hydrodynamics.bem import bem, green, turned
+from solver.hydrodynamics.bem import bem, green, mesh, turned
 from solver.hydrodynamics.bem.mesh import Mesh
+from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from tests.awkward import prism
@@ -15,6 +18,7 @@ SPAR = Revolution.profile([(15.0, -35.0), (15.0, -34.0), (3.0, -34.0), (3.0, 5.0
 NEEDLE = Revolution.vertical_cylinder(radius=0.5, draft=4.0, freeboard=1.0)
 BALL = Revolution.sphere(radius=5.0, draft=5.0)
 SUNK = ring(((4.0, -30.0), (4.0, -28.0), (2.0, -28.0), (2.0, -30.0)))
+SQUARE = box(length=8.0, width=8.0, height=3.0, draft=1.5)
 RAFT = prism([(-4.0, -12.0), (4.0, -12.0), (4.0, -10.0), (-4.0, -10.0)], 5.0)
 HERE, THERE = [0.0, 0.0, 0.0], [123.4, -56.7, 0.0]
 SCENES = {  # hulls, centres, depth, further, and the most of all pairs that is asked for
@@ -26,6 +30,7 @@ SCENES = {  # hulls, centres, depth, further, and the most of all pairs that is 
     "unlike sizes, off the origin": ((NEEDLE, FLOAT), [THERE, THERE], np.inf, {}, 0.49),
     "one deep under water": ((BALL, SUNK), [HERE, HERE], 60.0, {}, 0.38),
     "a box about a spar's axis": ((NEEDLE, RAFT), [[0, 0, 0], [0, 0, 0]], np.inf, {}, 0.94),
+    "a square box": ((SQUARE,), [HERE], np.inf, {}, 0.55),
     "side by side": ((BALL, NEEDLE), [[0, 0, 0], [9, 0, 0]], np.inf, {}, 1.0),
 }
 
@@ -81,6 +86,19 @@ def test_round_about_another_axis_is_asked_in_full():
     """A ball off the only plane of symmetry that is left."""
     problem = bem.Problem.of((BALL, NEEDLE), np.array([[0.0, 0, 0], [9, 4, 0]]), depth=np.inf, panels=108)
     assert asked(coarse(problem)) == 1.0
+
+
+def test_influences_of_all_pairs_are_those_that_the_green_function_gives(monkeypatch):
+    """Copied nowhere."""
+    green_function, given = green.green_function(), []
+
+    def evaluate(*where, **how):
+        given.extend(green_function.evaluate(*where, **how))
+        return given
+
+    monkeypatch.setattr(mesh, "green_function", lambda: SimpleNamespace(evaluate=evaluate))
+    found = coarse(problem_of("side by side"))._influences(0.1, np.inf)
+    assert len(given) == 2 and all(np.shares_memory(*both) for both in zip(found, given, strict=True))
 
 
 def test_panels_turned_within_themselves_are_not_alike():
