@@ -37,6 +37,7 @@ class Mesh:
     whole: Panels  # ng nf panels, mirror by mirror
     wet: np.ndarray  # (nf,) True on hulls, False on lids
     gap: np.ndarray  # (nf,) True on damping lids
+    standing: np.ndarray  # (nf,) True on bodies that stand on the seabed, and inside them
     motions: np.ndarray  # (ng, nf, n) normal velocity of each unit motion, 0 on lids
     bodies: np.ndarray  # (ng nf,) whose panels the whole's are; one more than there are for those of damping lids
     names: tuple[str, ...]  # of the bodies, and of damping lids
@@ -96,6 +97,7 @@ class Mesh:
             whole=whole,
             wet=wet,
             gap=gap,
+            standing=np.array([*(stands(hull, depth) for hull in hulls), False])[body],
             motions=motions,
             bodies=bodies,
             names=(*(body_name(hulls, b) for b in range(len(hulls))), "lid of a gap"),
@@ -147,35 +149,28 @@ class Mesh:
         """Of which panels the Green function is asked for."""
         return alike(self.whole, self.part, len(self.mirrors))
 
+    @cached_property
+    def footed(self) -> tuple[tuple[np.ndarray, ...], Panels, list[Alike]]:
+        """Of standing bodies: where their influences on each other are among all; their panels, and those asked for."""
+        of, at = np.flatnonzero(self.standing), np.flatnonzero(np.tile(self.standing, len(self.mirrors)))
+        whole, part = self.whole.of(at), self.part.of(of)
+        return np.ix_(of, at), whole, alike(whole, part, len(self.mirrors))
+
     def _influences(self, k: float, seabed: float) -> tuple[np.ndarray, np.ndarray]:
         """S and D (nf, ng nf) of the part's panels at the middles of the whole's."""
-        more = added(self.whole, self.bodies, self.part, seabed, k) if np.isfinite(seabed) else None
+        standing = np.tile(self.standing, len(self.mirrors))
+        more = added(self.whole, self.bodies, standing, self.part, seabed, k) if np.isfinite(seabed) else None
         depth, wave = (np.inf, deep_wavenumber(k, seabed)) if more else (seabed, k)
-        single, double = self._asked(wave, depth)
+        single, double = _asked(self.whole, len(self.standing), self.alike, wave, depth)
+        if more and self.standing.any():
+            place, whole, pairs = self.footed
+            single[place], double[place] = _asked(whole, len(place[0]), pairs, k, seabed)
         self._require_finite(single, double)
         double[~np.isfinite(double)] = 0.0
         if more:
             single += more[0].T
             double += more[1].T
         return single, double
-
-    def _asked(self, k: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
-        """The same without what `seabed` adds; what the Green function gives of all pairs is not copied."""
-        of_all = np.empty((2, self.part.nb_faces, len(self.bodies)), complex)
-        for pairs in self.alike:
-            influences = green_function().evaluate(
-                self.whole.faces_centers[pairs.at],
-                pairs.sources,
-                water_depth=depth,
-                wavenumber=k,
-                adjoint_double_layer=False,
-                diagonal_term_in_double_layer=pairs.own,
-            )
-            if len(self.alike) == len(pairs.of) == 1:  # turns bring none onto others
-                return influences[0].T, influences[1].T
-            for influence, out in zip(influences, of_all, strict=True):
-                pairs.spread(influence.T, out)
-        return of_all[0], of_all[1]
 
     def _require_finite(self, single: np.ndarray, double: np.ndarray) -> None:
         """Refuse influences (nf, ng nf) of panels that are not finite, but of dipoles on a middle on their edge."""
@@ -220,3 +215,22 @@ class Mesh:
             if loss:
                 total += potential.T @ (1j * loss * lid * np.tensordot(sign, value, 1))
         return modes(total)
+
+
+def _asked(whole: Panels, count: int, alike: list[Alike], k: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
+    """S and D (count, n) of the first panels on all by the Green function; what it gives of all pairs is not copied."""
+    of_all = np.empty((2, count, whole.nb_faces), complex)
+    for pairs in alike:
+        influences = green_function().evaluate(
+            whole.faces_centers[pairs.at],
+            pairs.sources,
+            water_depth=depth,
+            wavenumber=k,
+            adjoint_double_layer=False,
+            diagonal_term_in_double_layer=pairs.own,
+        )
+        if len(alike) == len(pairs.of) == 1:  # turns bring none onto others
+            return influences[0].T, influences[1].T
+        for influence, out in zip(influences, of_all, strict=True):
+            pairs.spread(influence.T, out)
+    return of_all[0], of_all[1]

@@ -10,7 +10,6 @@ its images lie 2(h - draft) away or more: it is smooth, found at a few nodes abo
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations_with_replacement
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,9 +42,25 @@ def nodes_along(half: np.ndarray, clear: float, k: float) -> np.ndarray:
     return FEWEST + np.sum(np.minimum(n * images, waves) < -np.log(MISSED), axis=0)
 
 
-def pays(nodes: int, panels: float) -> bool:
-    """Whether this many nodes take less time than as many panels, each on all others."""
-    return nodes * (nodes + 2 * panels) < WORTH * panels
+class Work(NamedTuple):
+    """Of bodies on each other (nb, nb), by nodes: products of P K Q, P (n, m) and Q (m', np) being real; K, complex."""
+
+    first: np.ndarray  # of P K first
+    last: np.ndarray  # of K Q first
+    asked: np.ndarray  # pairs of panels
+    far: np.ndarray  # bool, whether their images are: not those of two bodies that stand on the seabed
+
+    @classmethod
+    def of(cls, nodes: np.ndarray, seen: np.ndarray, sent: np.ndarray, standing: np.ndarray) -> "Work":
+        """Nodes (nb,) of bodies, panels (nb,) of theirs at which, and of which, influences are, and which stand."""
+        at, panels = nodes[:, None], seen[:, None]
+        far = ~np.logical_and.outer(standing, standing)
+        return cls(panels * nodes * (at + 2 * sent), 2 * sent * at * (nodes + panels), panels * sent, far)
+
+    @property
+    def pays(self) -> bool:
+        """Whether nodes take less time than the panels, each on all others."""
+        return bool(np.sum((np.minimum(self.first, self.last) - WORTH * self.asked)[self.far]) < 0)
 
 
 def deep_wavenumber(k: float, depth: float) -> float:
@@ -142,27 +157,44 @@ def between(path: Path, at: Box, of: Box) -> np.ndarray:
     return np.asarray(found.transpose(0, 2, 1, 3).reshape(len(at.level) * len(here), -1))
 
 
-def added(whole: Any, bodies: np.ndarray, part: Any, depth: float, k: float) -> tuple[np.ndarray, np.ndarray] | None:
+def clearance(depth: float, draft: float, *, standing: bool) -> float:
+    """How far images lie off [m]: of bodies of this draft at most on each other, and on others that stand there."""
+    return (depth - draft) * (1 if standing else 2)
+
+
+def added(
+    whole: Any, bodies: np.ndarray, standing: np.ndarray, part: Any, depth: float, k: float
+) -> tuple[np.ndarray, np.ndarray] | None:
     """S and D (np, nf) by which panels of `part` influence more the np panels of `whole`; None where it does not pay.
 
     Both capytaine meshes, the part first in the whole; bodies (np,) whose panels they are; waves k [1/m] in `depth`.
-    Signs and 4π as capytaine's.
+    Bodies standing (np,) on the seabed touch their images there: none of theirs on each other. Signs and 4π as
+    capytaine's.
     """
-    clear, nf = 2 * (depth + whole.vertices[:, 2].min()), part.nb_faces
-    boxes = {b: Box.about(whole.faces_centers[bodies == b], clear, k) for b in np.unique(bodies)}
-    if not pays(sum(box.count for box in boxes.values()), nf):
+    if standing.all():
+        return None
+    draft, nf = -whole.vertices[whole.faces[~standing], 2].min(), part.nb_faces
+    clear = clearance(depth, draft, standing=bool(standing.any()))
+    own = [np.flatnonzero(bodies == b) for b in np.unique(bodies)]
+    sources = [mine[mine < nf] for mine in own]
+    boxes = [Box.about(whole.faces_centers[mine], clear, k) for mine in own]
+    nodes, seen, sent = (np.array(n) for n in ([box.count for box in boxes], *([*map(len, x)] for x in (own, sources))))
+    work = Work.of(nodes, seen, sent, np.array([standing[mine[0]] for mine in own]))
+    if not work.pays:
         return None
     reach = float(np.linalg.norm(np.ptp(whole.faces_centers[:, :2], axis=0)))
-    path, own = Path.beneath(k, depth, clear, reach), {b: np.flatnonzero(bodies == b) for b in boxes}
-    seen = {b: box.polynomials(whole.faces_centers[own[b]])[0] for b, box in boxes.items()}
-    sent = {b: _sent(box, part, own[b][own[b] < nf]) for b, box in boxes.items()}
+    path = Path.beneath(k, depth, clear, reach)
+    here = [box.polynomials(whole.faces_centers[mine])[0] for box, mine in zip(boxes, own, strict=True)]
+    there = [_sent(box, part, mine) for box, mine in zip(boxes, sources, strict=True)]
     single, double = influences = np.zeros((2, len(bodies), nf), path.mu.dtype)
-    for a, b in combinations_with_replacement(boxes, 2):
+    for a, b in zip(*np.nonzero(np.triu(work.far)), strict=True):
         kernel = between(path, boxes[a], boxes[b]) / (-4 * np.pi)
         for at, of, each in ((a, b, kernel), (b, a, kernel.T))[: 1 + (a != b)]:
-            here, place = seen[at] @ each, np.ix_(own[at], own[of][own[of] < nf])
-            for influence, polynomials in zip(influences, sent[of], strict=True):
-                influence[place] = _by_real(here, polynomials)
+            place, early = np.ix_(own[at], sources[of]), work.first[at, of] <= work.last[at, of]
+            some = here[at] @ each if early else each
+            for influence, polynomials in zip(influences, there[of], strict=True):
+                found = _by_real(some, polynomials)
+                influence[place] = found if early else _by_real(found.T, here[at].T).T
     return single, double
 
 

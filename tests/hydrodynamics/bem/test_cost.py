@@ -19,10 +19,12 @@ BALL, OTHER = Revolution.sphere(radius=5.0, draft=5.0), Revolution.sphere(radius
 RAFT = box(length=20.0, width=10.0, height=4.0, draft=2.0)
 SUNK = prism([(-3, -9.0), (4, -8.0), (3, -5.0), (-3, -6.0)], 8.0)
 PLATE = Revolution.profile([(0.0, -35.1), (15.0, -35.1), (15.0, -35.0), (3.0, -35.0), (3.0, 3.0)])
+PILE = Revolution.vertical_cylinder(radius=2.0, draft=20.0, freeboard=4.0)
 SCENES = {
     "a body of revolution": ((BALL,), [(0, 0, 0)], np.inf, {}),
     "above a seabed that matters": ((BALL,), [(0, 0, 0)], 20.0, {}),
     "close above a seabed": ((BALL,), [(0, 0, 0)], 7.0, {}),
+    "beside a pile": ((PILE, RAFT), [(0, 0, 0), (13, 0, 0)], 20.0, {}),
     "beside its image": ((RAFT, RAFT), [(-10.5, 0, 0), (10.5, 0, 0)], 40.0, {}),
     "no plane of symmetry": ((BALL, RAFT), [(0, 0, 0), (9, 30, 0)], np.inf, {"planar": False}),
     "too many panels to halve": ((RAFT,) * 5, [(0, 12 * n, 0) for n in range(5)], np.inf, {"planar": False}),

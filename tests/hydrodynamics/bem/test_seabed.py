@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from scipy.special import j0, k0, y0
 from solver.hydrodynamics.bem import bem, green, mesh, seabed
 from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.ring import ring
 from tests.awkward import prism
 
 BALL, SMALL = Revolution.sphere(radius=2.5, draft=2.5), Revolution.sphere(radius=1.0, draft=0.4)
@@ -19,12 +21,18 @@ MODEL = Revolution.sphere(radius=0.05, draft=0.05)
 RAFT = box(length=20.0, width=10.0, height=4.0, draft=2.0)
 SUNK = prism([(-3, -9.0), (4, -8.0), (3, -5.0), (-3, -6.0)], 8.0)
 SPAR = Revolution.profile([[15.0, -29.0], [15.0, -28.0], [3.0, -28.0], [3.0, 8.0]])
+CAISSON = box(length=4.0, width=3.0, height=8.0, draft=6.0)
+SLOW = "big beside small", "beside a caisson", "about a pile", "a gap with a lid"
+PILE = Revolution.vertical_cylinder(radius=1.0, draft=12.0, freeboard=2.0)
+FLOAT = ring(((4.0, -1.5), (4.0, 1.0), (1.5, 1.0), (1.5, -1.5)))
 SCENES = {  # hulls, centres, depth, further
     "a pair": ((BALL, BALL), [(0, 6, 0), (0, -6, 0)], 15.0, {}),
     "big beside small": ((RAFT, SMALL), [(0, 0, 0), (13, 7, 0)], 40.0, {"planar": False}),
     "under water": ((SUNK,), [(0, 0, 0)], 14.0, {"planar": False}),
     "a spar": ((SPAR,), [(0, 0, 0)], 45.0, {}),
     "a model": ((MODEL,), [(0, 0, 0)], 0.2, {}),
+    "beside a caisson": ((CAISSON, SMALL), [(0, 0, 0), (4, 0, 0)], 6.0, {}),
+    "about a pile": ((PILE, FLOAT), [(0, 0, 0), (0, 0, 0)], 12.0, {}),
     "a gap with a lid": ((RAFT, RAFT), [(0, 5.5, 0), (0, -5.5, 0)], 20.0, {"gap_damping": 0.02, "gap_width": 2.0}),
 }
 
@@ -112,10 +120,7 @@ def test_so_many_nodes_miss_no_more_than_is_said(depth, k, counts):
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] * (name in ("big beside small", "a gap with a lid")))
-        for name in SCENES
-    ],
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in SCENES],
 )
 def test_coefficients_are_those_of_all_pairs_of_panels(name, monkeypatch):
     """Relative to the geometric mean of both motions' own; in deep water they are 2 to 40 % off."""
@@ -123,23 +128,54 @@ def test_coefficients_are_those_of_all_pairs_of_panels(name, monkeypatch):
     omega = np.sqrt(9.81 * np.array([0.5 * np.tanh(0.5), 1.0 * np.tanh(1.0)]) / depth)
     problem = bem.Problem.of(hulls, np.array(centres, float), depth=depth, omega=omega, **how)
     solved = partial(bem._coefficients, omega=omega, refine=1, infinite=True)
-    monkeypatch.setattr(seabed, "WORTH", np.inf)
+    monkeypatch.setattr(seabed, "WORTH", 1e9)
     smooth = solved(problem)
     monkeypatch.setattr(seabed, "WORTH", 0.0)
     direct, deep = solved(problem), solved(replace(problem, depth=np.inf))
     size = np.sqrt(np.abs(np.einsum("wii->wi", direct.impedance)))
     scale = size[:, :, None] * size[:, None]
-    assert np.abs((smooth.impedance - direct.impedance) / scale).max() < 5e-4
-    assert np.abs((deep.impedance - direct.impedance) / scale).max() > 1e-2
+    assert np.all(np.abs(smooth.impedance - direct.impedance) <= 5e-4 * scale)  # 0: heave of what stands
+    assert np.any(np.abs(deep.impedance - direct.impedance) > 1e-2 * scale)
     assert smooth.infinite == approx(direct.infinite, abs=5e-4 * np.abs(direct.infinite).max())
     assert smooth.diffraction == approx(direct.diffraction, abs=5e-4 * np.abs(direct.diffraction).max())
 
 
+def built_of(problem, refine):
+    where = problem.meshed, problem.centres, problem.dofs, problem.base, refine, problem.depth
+    return mesh.Mesh.build(*where, lids=problem.lids)
+
+
 def test_it_is_left_to_capytaine_close_above_the_seabed():
     problem = bem.Problem.of((BALL,), np.zeros((1, 3)), depth=3.0)
-    built = mesh.Mesh.build(problem.meshed, problem.centres, problem.dofs, problem.base, 3, 3.0, lids=problem.lids)
-    assert seabed.added(built.whole, built.bodies, built.part, 3.0, 0.1) is None
-    assert seabed.added(built.whole, built.bodies, built.part, 30.0, 0.1) is not None
+    built = built_of(problem, 3)
+    panels = built.whole, built.bodies, np.tile(built.standing, len(built.mirrors)), built.part
+    assert seabed.added(*panels, 3.0, 0.1) is None
+    assert seabed.added(*panels, 30.0, 0.1) is not None
+
+
+def test_bodies_that_stand_on_the_seabed_are_left_to_capytaine_on_each_other(monkeypatch):
+    """And on others not; alone, and a wide one, whose nodes would be too many, in all."""
+    assert [seabed.clearance(6.0, 1.0, standing=some) for some in (False, True)] == [10.0, 5.0]
+    green_function, asked = green.green_function(), []
+
+    def evaluate(points, part, *, water_depth, **how):
+        asked.append((len(points), part.nb_faces, water_depth))
+        return green_function.evaluate(points, part, water_depth=water_depth, **how)
+
+    monkeypatch.setattr(mesh, "green_function", lambda: SimpleNamespace(evaluate=evaluate))
+    wide = box(length=40.0, width=40.0, height=8.0, draft=6.0)
+    for hulls, apart, far in (((CAISSON, SMALL), 4.0, True), ((CAISSON,), 0.0, False), ((wide, SMALL), 22.0, False)):
+        centres = np.array([[0.0, 0, 0], [apart, 0, 0]])[: len(hulls)]
+        built = built_of(bem.Problem.of(hulls, centres, depth=6.0, panels=108), 1)
+        built._influences(0.1, 6.0)
+        stands, part = built.standing.sum(), built.part.nb_faces
+        ng = len(built.mirrors)
+        assert (0 < stands < part) == (len(hulls) == 2)
+        if far:
+            assert asked == [(ng * part, part, np.inf), (ng * stands, stands, 6.0)]
+        else:
+            assert {depth for *_, depth in asked} == {6.0}
+        asked.clear()
 
 
 @pytest.mark.parametrize("draft", [18.0, 18.8])
