@@ -27,6 +27,7 @@ ALONG_MODE = "natural_frequency"
 LOWEST = 6  # modes: a table of the whole dataset has a row for every combination of labels, with all 708 too many
 SAME = 1e-9  # relative difference below which two frequencies are one
 MARK = ".statistics.json"  # beside the dataset: what it was made of
+NO_STATE = ""  # the mark that no records have: the dataset is collected again
 TOLD = ("failure", "unmet", "warnings")  # of an entry, in words
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
 LAYOUT = 9  # raise it when the dataset's form changes, so that it is written anew
@@ -58,7 +59,7 @@ def outdated(study: Study, store: Store) -> str:
     if mark is not None and mark.get("sha256") != checksum(path):
         return "was not what had been collected"
     if mark is not None and store.begun() and mark.get("of") != _fingerprint(study, store):
-        return "was of other records than are there"
+        return "held a damaged record" if mark.get("of") == NO_STATE else "was of other records than are there"
     return ""
 
 
@@ -73,17 +74,20 @@ def _collect(study: Study, store: Store, mark: str) -> tuple[Path, dict[str, int
     words["task"].ravel()[study.tasks.cells] = [f"{number:016x}" for number in study.tasks.ids.tolist()]
     tasks = study.tasks.ordered(store.packs.row)  # a pack is opened once for all that it has
     cells = zip(*(places.tolist() for places in np.unravel_index(tasks.cells, shape)), strict=True)
+    as_looked = True
     looked = ((cell, store.look(task)) for cell, task in zip(cells, tasks.passing("collecting"), strict=True))
     for _, beside in groupby(looked, lambda one: one[1].record if one[1].place else one[0]):
         places, entries = zip(*beside, strict=True)
         for cell, entry, state in zip(places, entries, _fill(arrays, places, entries), strict=True):
             words["status"][cell] = state
+            as_looked &= state == entry.state
             for name in TOLD:
                 words[name][cell] = getattr(entry, name)
     with appearing(path) as part:
         to_file(part, *_dataset(study, table, arrays, words))
     states, numbers = np.unique(words["status"][once(words["task"])], return_counts=True)
-    write_json(store.root / MARK, {"of": mark, "sha256": checksum(path)})
+    # What only reading found damaged looks the same once it is mended, to the same bits.
+    write_json(store.root / MARK, {"of": mark if as_looked else NO_STATE, "sha256": checksum(path)})
     return path, {str(s): int(n) for s, n in zip(states, numbers, strict=True)}
 
 

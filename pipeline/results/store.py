@@ -324,7 +324,7 @@ class Store:
         try:
             if gone := self.holder():
                 waiting(f"{self.root} was left by {gone}, which did not come to its end; going on from there")
-            for part in leftovers(self.root):
+            for part in (*leftovers(self.root), *leftovers(self.packs.folder)):
                 remove(part)
             mine = {"pid": os.getpid(), "host": os.uname().nodename, "since": timestamp()}
             write_json(self.root / ".lock.json", mine)

@@ -56,10 +56,12 @@ def test_processes_with_the_same_number_write_to_names_of_their_own(tmp_path):
 
 
 @pytest.mark.parametrize(("hours", "left"), [(0.9, True), (1.1, False)])
-def test_what_a_killed_run_had_half_written_is_removed_by_the_next(store, hours, left):
+@pytest.mark.parametrize("name", [".statistics.nc.7.part", "packs/.000019.nc.7.part"])
+def test_what_a_killed_run_had_half_written_is_removed_by_the_next(store, name, hours, left):
     """Unless it is so young that `collect`, which needs no lock, may be writing to it."""
-    store.root.mkdir(parents=True)
-    part, other = store.root / ".statistics.nc.7.part", store.root / "mine.part"
+    part = store.root / name
+    part.parent.mkdir(parents=True)
+    other = part.with_name("mine.part")
     for path in (part, other):
         path.touch()
         os.utime(path, (since := time.time() - 3600 * hours, since))

@@ -331,6 +331,31 @@ def test_damaged_records_are_found_and_made_again(cli, tmp_path):
     cli("verify")
 
 
+@pytest.mark.parametrize("first", ["collect", "run", "report"])
+def test_a_record_that_is_made_again_comes_back_into_the_dataset(small, cli, tmp_path, drawn, first):
+    """Its damage is found only when it is read, by whatever collects: a run of other tasks, a report without a dataset.
+
+    As long as it lasts a report collects each time.
+    """
+    cli("run", "--workers", "1")
+    path, times = tmp_path / "r" / "small" / "statistics.nc", ["wall_time"]
+    whole = dataset.loaded(path).drop_vars(times)
+    task = next(task for task in load(small).tasks if task.labels["platform"] == "elastic")
+    record = tmp_path / "r" / "small" / "tasks" / task.id / "record.nc"
+    data = bytearray(record.read_bytes())
+    data[len(data) // 2] ^= 1
+    record.write_bytes(data)
+    path.unlink()
+    cli(first, *(["--select", "platform=fixed", "--workers", "1"] if first == "run" else []))
+    assert sorted(dataset.loaded(path).status.values.ravel()) == ["damaged", *["done"] * 11]
+    for _ in range(2):
+        told = " ".join(cli("report").split())
+        assert "held a damaged record, and is collected again: 1 damaged, 11 done" in told
+    assert "1 run now" in cli("run", "--workers", "1")
+    assert dataset.loaded(path).drop_vars(times).identical(whole)
+    assert "collected again" not in cli("report")
+
+
 def test_copied_results_are_found_and_made_again(small, cli, tmp_path):
     cli("run", "--workers", "1")
     (one,) = (tmp_path / "r" / "hydrodynamics").glob("*.nc")
