@@ -7,7 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 
-from pipeline.results.variables import COORDINATES, VARIABLES
+from pipeline.results.variables import COORDINATES, FOUND, OF_OUTPUTS, SERIES, VARIABLES
 from pipeline.study import seas
 from pipeline.study.axes import TAKEN, Axis
 from pipeline.study.inherit import KINDS
@@ -32,7 +32,8 @@ def paths(study: StudyFile) -> Iterator[InputError]:
         )
         return
     limit = "is the name of another dimension, coordinate or output"
-    taken = TAKEN | VARIABLES.keys() | COORDINATES.keys() - set(AXES)
+    beside = {f"{output}{suffix}" for output in VARIABLES for suffix in (SERIES, FOUND, *OF_OUTPUTS)}
+    taken = TAKEN | VARIABLES.keys() | beside | COORDINATES.keys() - set(AXES)
     words = Counter(word.partition(" ")[0] for group in study.axes.together for word in group.beside)
     words.update(axes(study).keys())
     for group in study.axes.together:

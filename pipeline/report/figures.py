@@ -59,11 +59,11 @@ class Results:
     published: Sequence[Published] = ()
     tasks: Path | None = None  # the folder of the tasks' records, for time series
 
-    def has(self, *names: str, **labels: Any) -> bool:
+    def has(self, /, *names: str, **labels: Any) -> bool:
         """Whether there are numbers under all of these names, or in the part with these labels."""
         return all(name in self.data and bool(self.values(name, **labels).notnull().any()) for name in names)
 
-    def values(self, name: str, **labels: Any) -> xr.DataArray:
+    def values(self, name: str, /, **labels: Any) -> xr.DataArray:
         """A variable with all axes of a study as dimensions, or the part of it with these labels."""
         values = self.data[name]
         for dim in axes_of(self.study.content):

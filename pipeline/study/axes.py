@@ -28,12 +28,14 @@ from pipeline.study.words import by_path, labels, last
 
 Support = Literal["elastic", "fixed", "elastic-no-floats"]
 
-# Dimensions, coordinates and outputs of datasets that are some key's last word, which no axis over it may take.
+# Dimensions, coordinates and outputs of datasets that are some key's last word, which no axis over it may take; the
+# last five are what the report's tables add to numbers.
 TAKEN = frozenset((
     "sea_state", "platform", "seed", "float", "axis", "line", "leg", "direction", "height", "statistic", "mode",
     "system_mode", "component", "variant", "variant_title", "sample", "status", "task", "failure", "unmet", "axis_unit",
     "elapsed_time", "wall_time", "foot", "node", "member", "tube", "end", "force", "moment", "fibre", "member_fibre",
     "motion", "rotation", "rao", "utilisation", "warnings",
+    "estimate", "life", "failed_realizations", "record_error", "single_task",
 ))  # fmt: skip
 UNCHANGED = object()
 WORD = re.compile(r"([A-Za-z_]\w*)(?: \[([^\[\]]+)\])?")  # length [m]
