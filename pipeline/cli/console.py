@@ -31,9 +31,13 @@ def say(text: str, console: Console = out) -> None:
 
 def store_of(study: Study, results: Path) -> Store:
     """Where a study's results are; refuses a path that is no folder."""
-    if results.exists() and not results.is_dir():
-        raise StudyError(study.path, [f"--results = {results}: must be a folder"])
-    return Store(results, study.name)
+    store = Store(results, study.name)
+    for folder in (results, store.root):
+        if folder.is_symlink() and not folder.exists():
+            raise StudyError(study.path, [f"--results = {folder}: must be a folder, and is a link to nothing"])
+        if folder.exists() and not folder.is_dir():
+            raise StudyError(study.path, [f"--results = {folder}: must be a folder"])
+    return store
 
 
 def looked(tasks: Tasks, store: Store) -> Iterator[tuple[Task, Entry]]:

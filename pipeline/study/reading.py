@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 import re
 import stat
 import tomllib
@@ -23,6 +24,7 @@ LIMITS = {
     "less_than": "must be < {lt}{unit}",
     "less_than_equal": "must be <= {le}{unit}",
     "float_type": "must be a number{of_unit}",
+    "too_many_digits": "has too many digits for a number{of_unit}",
     "int_type": "must be a whole number",
     "bool_type": "must be true or false",
     "string_type": "must be a string",
@@ -45,6 +47,7 @@ LIMITS = {
 
 
 COEFFICIENTS = "hydrodynamics"  # the folder beside those of the studies, which share it
+MOST_BYTES = 255 - len("-published.csv")  # of a study's name: file systems take 255
 LARGEST = 10e6  # bytes of a study file
 DEEPEST = 20  # levels of tables in tables
 MOST_BASES = 20  # that stand on each other
@@ -55,8 +58,13 @@ class StudyError(Exception):
     """A study that cannot run; every line names file, key, value and limit."""
 
     def __init__(self, file: Path, problems: Iterable[str]):
-        self.problems = [f"{file}: {problem}" for problem in problems]
+        self.problems = [_spelled(f"{file}: {problem}") for problem in problems]
         super().__init__("\n".join(self.problems))
+
+
+def _spelled(text: str) -> str:
+    """With escapes for what would break the line or steer the terminal, as keys and names of files may."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def parsed(path: Path) -> tuple[StudyFile, tuple[Path, ...]]:
@@ -88,6 +96,8 @@ def check_name(path: Path) -> None:
     if not (re.match(r"\w", name) and name.isprintable() and "\\" not in name):
         limit = "must start with a letter, a digit or _, and go on without control characters or backslashes"
         raise StudyError(path, [f"name = {name!r}: {limit}, for results are in a folder of that name"])
+    if len(os.fsencode(name)) > MOST_BYTES:
+        raise StudyError(path, [f"name: must have at most {MOST_BYTES} bytes, for other files are named after it"])
     if name.casefold() == COEFFICIENTS:
         raise StudyError(path, [f"name = {name!r}: is the folder of all studies' coefficients; rename the file"])
 
@@ -189,6 +199,7 @@ def limit_of(error: ErrorDetails) -> str:
         return f"needs {dotted(parts)}"
     unit, of_unit = _unit(parts, " {}"), _unit(parts, " [{}]")
     kind = "no_such_word" if error["type"] == "literal_error" and "<word>" in parts else error["type"]
+    kind = "too_many_digits" if kind == "float_type" and type(error["input"]) is int else kind
     limit = LIMITS.get(kind, "{msg}").format(msg=error["msg"], unit=unit, of_unit=of_unit, **context)
     return limit.replace("<", "").replace(">", "") if error["type"] == "union_tag_invalid" else limit
 

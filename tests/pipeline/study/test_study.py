@@ -370,3 +370,49 @@ def test_a_name_that_two_floats_have_is_all_that_is_told(axes):
     tables["axes"] |= axes
     told = checks.problems(StudyFile.model_validate(tables))
     assert [str(problem) for problem in told] == ["floats.name = front: given 2 times, must be unique"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("depth = 50.0", 'depth = 50.0\n"a\\u001b[31m\\nb\\u202e" = 1'), r"water.a\x1b[31m\nb\u202e = 1: unknown key"),
+        (('name = "leg"\nstart', 'name = "leg"\n"ü\\n" = 1\nstart'), r"members[0].ü\n = 1: unknown key"),
+    ],
+)
+def test_keys_that_would_steer_a_terminal_are_spelled_out(tmp_path, change, message):
+    path = tmp_path / "small.toml"
+    path.write_text(SMALL.replace(*change))
+    with pytest.raises(StudyError) as caught:
+        load(path)
+    assert message in str(caught.value) and str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize("sign", ["", "-"])
+def test_a_number_of_too_many_digits_is_called_that(tmp_path, sign):
+    path = tmp_path / "small.toml"
+    path.write_text(SMALL.replace("depth = 50.0", f"depth = {sign}{'9' * 400}"))
+    with pytest.raises(StudyError, match=r"\.\.\.: has too many digits for a number \[m\]$"):
+        load(path)
+
+
+@pytest.mark.parametrize(("letter", "most"), [("n", 241), ("ü", 120)])
+def test_a_name_is_as_long_as_files_named_after_it_may_be(tmp_path, letter, most):
+    for count in (most, most + 1):
+        (path := tmp_path / f"{letter * count}.toml").write_text(SMALL)
+        if count == most:
+            assert load(path).published is None
+            continue
+        with pytest.raises(StudyError, match="must have at most 241 bytes"):
+            load(path)
+
+
+@pytest.mark.parametrize("verb", ["plan", "run", "collect", "status"])
+@pytest.mark.parametrize("place", ["r", "r/small"])
+def test_results_in_a_link_to_nothing_are_refused(tmp_path, verb, place):
+    """Before anything runs."""
+    path, link = tmp_path / "small.toml", tmp_path / place
+    path.write_text(SMALL)
+    link.parent.mkdir(exist_ok=True)
+    link.symlink_to(tmp_path / "nowhere" / "x")
+    told = CliRunner().invoke(app, [verb, str(path), "--results", str(tmp_path / "r")])
+    assert str(told.exception) == f"{path}: --results = {link}: must be a folder, and is a link to nothing"
