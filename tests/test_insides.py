@@ -200,4 +200,4 @@ def test_capytaine_has_our_fit_of_the_finite_depth_function(monkeypatch, afresh)
 
 
 def shallow():
-    bem.solve((FLOAT,), [[0, 0, 0]], depth=5.0, omega=np.array([1.2]), panels=108)
+    bem.solve((FLOAT,), [[0, 0, 0]], depth=1.5, omega=np.array([1.2]), panels=108)

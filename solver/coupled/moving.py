@@ -10,18 +10,22 @@ from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.lines import lengths
 from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_lines
-from solver.multibody.of_axes import bent, drag
+from solver.multibody.of_axes import bent, drag, latched
 
 KNOWN = 8  # models that a process keeps
 AGREED = 1e-2  # of a damping that errors are estimated with
 ROUNDS = 40  # an axis that friction just stops is nearly held by then
 HELD = 1e-4  # of the largest rate that an axis had: friction does not let it move
+TIGHT = 1e-2  # of the way between two stops, that an axis which rests on one has
+BRAKE = 1e4  # times what its mass bears: damping that holds an axis
+SOFT = 1e-2  # and what that of end stops begins with
 
 
 @lru_cache(maxsize=KNOWN)
 def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
     """The linear model, its joints damped by what quadratic damping and bent laws take from the rates that it has in
-    the scene's sea: friction may hold an axis that the tangent at rest leaves free, and a limit let one go."""
+    the scene's sea: friction may hold an axis that the tangent at rest leaves free, and a limit let one go. An axis is
+    held that waves do not tear off its latch, and damped until √2 std is within its end stops."""
     model, law, sea = linear_model(system), system.bodies.law, system.scene.sea
     quadratic = drag(law)
     if not (bent(law) | (quadratic > 0)).any() or not sea.amplitude.any():
@@ -29,11 +33,14 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
     nm, nc = system.structure.omega.size, system.structure.carrier.shape[0]
     met = np.abs(sea.amplitude) > 0
     omega, force, rest = sea.omega[met], force_of_waves(system, h)[met], damping_at_rest(law)
-    Y = impedance(system, h, omega)
+    Y, inertia = impedance(system, h, omega), omega.max() * np.diag(model.mass)[nm:]
+    latch = latched(law)[nc:] & (lengths(force[:, nm:].T) < law.latch_load[nc:])
+    free, stops, first = room(system)[nc:], np.zeros(len(inertia)), SOFT * inertia
     moving, more, size, least = model, *np.zeros((3, nc + len(model.mass) - nm))
     against = size  # of the rates that quadratic damping is taken for
     for _ in range(ROUNDS):
-        rates = omega[:, None] * moving.response(omega, Y, force)[:, nm:]
+        X = moving.response(omega, Y, force)[:, nm:]
+        rates, beyond = omega[:, None] * X, lengths(X.T) / free
         size = np.concatenate([np.zeros(nc), lengths(rates.T)])
         least = np.maximum(least, HELD * size)
         # At a resonance rates go as one over their damping: from one round to the next they would turn over and over.
@@ -41,10 +48,18 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
         before, more = more, beyond_rest(law, damping_of_lines(law, np.maximum(size, least), single=omega.size == 1))
         rates *= np.divide(against, size, out=np.ones(size.size), where=size > 0)[nc:]
         more[nc:] += quadratic[nc:] * linear_drag.of_lines(rates[:, None])[:, 0, 0]
+        stops = np.maximum((stops + first) * beyond - first, 0.0)
+        more[nc:] += stops + BRAKE * inertia * latch
         if np.all(np.abs(more - before) <= AGREED * np.abs(rest + more)):
             break
         moving = model.damped(more[nc:])
     return moving
+
+
+def room(system: System) -> np.ndarray:
+    """From rest to the nearest end stop of each of the law's axes [m or rad]; infinite where there is none."""
+    stops, z = system.bodies.law.end_stops, system.equilibrium[0]
+    return np.maximum(np.minimum(stops.upper - z, z - stops.lower), TIGHT * (stops.upper - stops.lower))
 
 
 def along_waves(system: System, h: Hydrodynamics) -> np.ndarray:

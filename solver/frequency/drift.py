@@ -184,6 +184,8 @@ def moved(
     if np.linalg.eigvalsh((steady + steady.T) / 2)[0] <= 0:
         return none, none, "drift_offset: nothing holds the support against drift"
     offset = np.linalg.solve(steady, mean)
+    if not slow.power.any():  # as of a single wave
+        return offset, np.zeros(len(axes)), ""
     if np.linalg.eigvalsh((D[own] + D[own].T) / 2)[0] <= 0:
         return offset, none, "slow_drift: nothing damps the support's slow drift"
     added = -Y(np.array([SLOWEST]))[0].imag / SLOWEST

@@ -240,6 +240,8 @@ def test_what_nothing_holds_or_damps_has_no_drift():
     model.stiffness = np.eye(2)
     mean, std, unmet = drift.moved(model, np.array([0]), afloat(none), np.array([3.0]), slow)
     assert mean == approx(3.0) and np.isnan(std).all() and "nothing damps" in unmet
+    one = drift.SlowLoad(np.zeros(1), np.zeros((1, 1, 1)), True)
+    assert drift.moved(model, np.array([0]), afloat(none), np.array([3.0]), one) == (approx(3.0), approx(0.0), "")
 
 
 def test_an_axis_that_no_load_reaches_need_be_neither_held_nor_damped():

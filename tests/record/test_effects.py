@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled.linear import linear_model
-from solver.coupled.moving import moving_model
+from solver.coupled.linear import impedance, linear_model
+from solver.coupled.moving import force_of_waves, moving_model
 from solver.coupled.preparation import prepare
 from solver.frequency.response import respond
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -103,6 +103,21 @@ def test_other_laws_have_the_model_of_before(law):
     item, h = given(hemisphere, law, one=False)
     system = prepare(item, h)
     assert moving_model(system, h) is linear_model(system)
+
+
+@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
+def test_end_stops_bound_what_the_model_moves(one):
+    item, h = given(hemisphere, {"end_stops": EndStops(lower=-0.05, upper=0.2, stiffness=1e6)}, one=one)
+    system = prepare(item, h)
+    X = moving_model(system, h).response(
+        item.sea.omega, impedance(system, h, item.sea.omega), force_of_waves(system, h)
+    )
+    assert np.linalg.norm(X) == approx(0.05, rel=0.05)
+
+
+def test_a_latch_holds_until_waves_tear_it_off():
+    stuck, held = (effects(hemisphere, law) for law in ({"latch_load": 1e9}, {"damping": 1e14}))
+    assert stuck == approx(held, rel=1e-2, abs=1e-7)
 
 
 def test_forces_of_a_small_float_count_beside_a_large_one():

@@ -12,7 +12,7 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.record import starting
 from solver.record.starting import from_rest, left_over
 from solver.run import simulate
-from solver.scene import Float
+from solver.scene import EndStops, Float
 from solver.sea.realization import CALM, components, regular
 from solver.statistics import STATISTICS
 from tests.awkward import RHO, bare_legs, known, scene, sea
@@ -103,12 +103,20 @@ def test_nothing_is_said_of_a_start_in_still_water_nor_of_what_is_damped():
         assert not list(left_over(system, h))
 
 
-@pytest.mark.parametrize("law", [{"latch_load": 1e9}, {"coulomb": 1e9}])
+HELD = [{"latch_load": 1e9}, {"coulomb": 1e9}, {"end_stops": EndStops(lower=-0.1, upper=0.1, stiffness=1e6)}]
+WIDE = EndStops(lower=-9.0, upper=9.0, stiffness=1e6)
+
+
+@pytest.mark.parametrize("law", HELD)
 def test_nothing_is_said_of_an_axis_that_is_held(law):
     item, h = spar(20.0)
     few = components(amplitude=np.full(2, 0.2), omega=np.array([0.7, 1.4]), phase=np.zeros(2))
-    free, held = (replace(item, sea=few, floats=(replace(item.floats[0], **more),)) for more in ({}, law))
-    assert [len(list(left_over(prepare(each, h), h))) for each in (free, held)] == [1, 0]
+    laws = {"end_stops": WIDE}, law
+    free, held = (replace(item, floats=(replace(item.floats[0], **of),)) for of in laws)
+    assert [len(list(left_over(prepare(replace(each, sea=few), h), h))) for each in (free, held)] == [1, 0]
+    item, h = spar(100.0, duration=100.0, discard=15.0)
+    each = (replace(item, floats=(replace(item.floats[0], **of),)) for of in laws)
+    assert [len(notes(of, h)) for of in each] == [1, 0]
 
 
 def test_a_platform_that_no_wave_loads_has_nothing_of_its_start():
