@@ -35,7 +35,7 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
     omega, force, rest = sea.omega[met], force_of_waves(system, h)[met], damping_at_rest(law)
     Y, inertia = impedance(system, h, omega), omega.max() * np.diag(model.mass)[nm:]
     latch = latched(law)[nc:] & (lengths(force[:, nm:].T) < law.latch_load[nc:])
-    free, stops, first = room(system)[nc:], np.zeros(len(inertia)), SOFT * inertia
+    free, stops, first = _room(system)[nc:], np.zeros(len(inertia)), SOFT * inertia
     moving, more, size, least = model, *np.zeros((3, nc + len(model.mass) - nm))
     against = size  # of the rates that quadratic damping is taken for
     for _ in range(ROUNDS):
@@ -56,7 +56,7 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
     return moving
 
 
-def room(system: System) -> np.ndarray:
+def _room(system: System) -> np.ndarray:
     """From rest to the nearest end stop of each of the law's axes [m or rad]; infinite where there is none."""
     stops, z = system.bodies.law.end_stops, system.equilibrium[0]
     return np.maximum(np.minimum(stops.upper - z, z - stops.lower), TIGHT * (stops.upper - stops.lower))

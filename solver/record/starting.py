@@ -20,11 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.linear import linear_model
-from solver.coupled.moving import room
 from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.lines import lengths
 from solver.multibody import of_axes
 from solver.record.response import in_waves
 from solver.record.sampling import least_motion
@@ -82,13 +80,11 @@ def _moving(system: System, squares: np.ndarray) -> np.ndarray:
     return np.asarray(moves > max(FAINT * moves.max(), least_motion(system.scene)))
 
 
-def _braked(system: System, shapes: np.ndarray, X: np.ndarray) -> np.ndarray:
-    """Which shapes (m, n) turn or shift a joint that the linear model has free, and friction or a latch holds, or end
-    stops, by how far waves would move it, X (nw, n)."""
+def _braked(system: System, shapes: np.ndarray) -> np.ndarray:
+    """Which shapes (m, n) turn or shift a joint that friction or a latch holds now and then, which no damping tells."""
     carriers, modes = system.structure.carrier.shape[0], system.structure.omega.size
     way = np.abs(shapes) * linear_model(system).length
-    joints = of_axes.holds(system.bodies.law)[carriers:] | (lengths(X[:, modes:].T) > room(system)[carriers:])
-    held = np.concatenate([np.zeros(modes, bool), joints])
+    held = np.concatenate([np.zeros(modes, bool), of_axes.holds(system.bodies.law)[carriers:]])
     return np.asarray(way[:, held].max(axis=1, initial=0.0) > SHARED * way.max(axis=1))
 
 
@@ -101,13 +97,11 @@ def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     of, omega = _Begun.of(system, h, modes.omega > 0), sea.omega[met]
     since = max(s.discard - s.ramp, 0.0)
     on = ~of.near(omega).any(axis=1) & (of.own < FAST * omega.max()) & (of.B * since < LONG)
-    if not on.any():
-        return
-    X = in_waves(system, h).X[met]
-    on &= ~_braked(system, of.shapes, X)
+    on &= ~_braked(system, of.shapes)
     if not on.any():
         return
     of = _Begun(of.own[on], of.shapes[on], of.B[on], [of.names[k] for k in np.flatnonzero(on)])
+    X = in_waves(system, h).X[met]
     q = X @ (linear_model(system).stiffness @ of.shapes.T) / of.own**2
     share = 0.5 * (np.abs(_kicked(of, omega, q, s)) ** 2 * of.lasts(since, s.duration))[:, None] * of.shapes**2
     squares = np.sum(np.abs(X) ** 2, axis=0)
@@ -144,10 +138,10 @@ def from_rest(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     lacking = of.lasts(since, s.duration)
     if not np.any(lacking > LACKS):
         return
-    size = np.abs(X := in_waves(system, h).X) ** 2
+    size = np.abs(in_waves(system, h).X) ** 2
     used = _moving(system, total := size.sum(axis=0))
     lost = lacking * np.max((of.near(sea.omega) @ size)[:, used] / total[used], axis=1, initial=0.0)
-    lost *= ~_braked(system, of.shapes, X)
+    lost *= ~_braked(system, of.shapes)
     k = int(lost.argmax())
     std = 1 - np.sqrt(1 - lost[k])
     if std > LACKS:

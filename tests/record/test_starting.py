@@ -103,7 +103,12 @@ def test_nothing_is_said_of_a_start_in_still_water_nor_of_what_is_damped():
         assert not list(left_over(system, h))
 
 
-HELD = [{"latch_load": 1e9}, {"coulomb": 1e9}, {"end_stops": EndStops(lower=-0.1, upper=0.1, stiffness=1e6)}]
+HELD = [
+    {"latch_load": 1e9},
+    {"latch_load": 50.0},
+    {"coulomb": 1e9},
+    {"end_stops": EndStops(lower=-0.1, upper=0.1, stiffness=1e6)},
+]
 WIDE = EndStops(lower=-9.0, upper=9.0, stiffness=1e6)
 
 

@@ -57,7 +57,7 @@ def numbers(dim):
         "platform": "fixed", "Hs": ("sea_state", [0.5, 2.0]), "Tp": ("sea_state", [5.0, 7.0]), "pto_damping": 1e5,
         "occurrence": ("sea_state", [3.0, 1.0]),
     }  # fmt: skip
-    found = xr.Dataset(data, coords={**own, **labels, **beside})
+    found = xr.Dataset(data, coords={**beside, **own, **labels})
     found[dim].attrs["long_name"] = "Values of floats.front.mass"
     return found
 
