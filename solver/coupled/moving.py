@@ -10,14 +10,14 @@ from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.lines import lengths
 from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_lines
-from solver.multibody.of_axes import bent, drag, latched
+from solver.multibody.of_axes import bent, drag, latch_loads, latched, room
 
 KNOWN = 8  # models that a process keeps
 AGREED = 1e-2  # of a damping that errors are estimated with
 ROUNDS = 40  # an axis that friction just stops is nearly held by then
 HELD = 1e-4  # of the largest rate that an axis had: friction does not let it move
-TIGHT = 1e-2  # of the way between two stops, that an axis which rests on one has
 BRAKE = 1e4  # times what its mass bears: damping that holds an axis
+TIGHT, TINY = 1e-2, 1e-30  # of how far waves move an axis: what one that rests on its stop has
 SOFT = 1e-2  # and what that of end stops begins with
 
 
@@ -34,13 +34,13 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
     met = np.abs(sea.amplitude) > 0
     omega, force, rest = sea.omega[met], force_of_waves(system, h)[met], damping_at_rest(law)
     Y, inertia = impedance(system, h, omega), omega.max() * np.diag(model.mass)[nm:]
-    latch = latched(law)[nc:] & (lengths(force[:, nm:].T) < law.latch_load[nc:])
-    free, stops, first = _room(system)[nc:], np.zeros(len(inertia)), SOFT * inertia
+    latch = latched(law)[nc:] & (lengths(force[:, nm:].T) < latch_loads(law)[nc:])
+    free, stops, first = room(law, system.equilibrium[0])[nc:], np.zeros(len(inertia)), SOFT * inertia
     moving, more, size, least = model, *np.zeros((3, nc + len(model.mass) - nm))
     against = size  # of the rates that quadratic damping is taken for
     for _ in range(ROUNDS):
         X = moving.response(omega, Y, force)[:, nm:]
-        rates, beyond = omega[:, None] * X, lengths(X.T) / free
+        rates, reach = omega[:, None] * X, lengths(X.T)
         size = np.concatenate([np.zeros(nc), lengths(rates.T)])
         least = np.maximum(least, HELD * size)
         # At a resonance rates go as one over their damping: from one round to the next they would turn over and over.
@@ -48,18 +48,12 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
         before, more = more, beyond_rest(law, damping_of_lines(law, np.maximum(size, least), single=omega.size == 1))
         rates *= np.divide(against, size, out=np.ones(size.size), where=size > 0)[nc:]
         more[nc:] += quadratic[nc:] * linear_drag.of_lines(rates[:, None])[:, 0, 0]
-        stops = np.maximum((stops + first) * beyond - first, 0.0)
+        stops = np.maximum((stops + first) * reach / np.maximum(free, TIGHT * reach + TINY) - first, 0.0)
         more[nc:] += stops + BRAKE * inertia * latch
         if np.all(np.abs(more - before) <= AGREED * np.abs(rest + more)):
             break
         moving = model.damped(more[nc:])
     return moving
-
-
-def _room(system: System) -> np.ndarray:
-    """From rest to the nearest end stop of each of the law's axes [m or rad]; infinite where there is none."""
-    stops, z = system.bodies.law.end_stops, system.equilibrium[0]
-    return np.maximum(np.minimum(stops.upper - z, z - stops.lower), TIGHT * (stops.upper - stops.lower))
 
 
 def along_waves(system: System, h: Hydrodynamics) -> np.ndarray:

@@ -182,6 +182,16 @@ def bent(law: JointLaw) -> np.ndarray:
     return stopped(law) | turning(law) | limited | tabled(law)
 
 
+def latch_loads(law: JointLaw) -> np.ndarray:
+    """Which latches hold against (n,) [N or N m]."""
+    return law.latch_load
+
+
+def room(law: JointLaw, y: np.ndarray) -> np.ndarray:
+    """From positions y (n,) to the nearest end stop (n,) [m or rad]; infinite where there is none."""
+    return np.minimum(law.end_stops.upper - y, y - law.end_stops.lower)
+
+
 def stop_damping(law: JointLaw) -> np.ndarray:
     """Of the axes' end stops (n,) [N s/m or N m s/rad]: times the rate what a stop bears at first."""
     return law.end_stops.damping

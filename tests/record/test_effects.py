@@ -105,14 +105,24 @@ def test_other_laws_have_the_model_of_before(law):
     assert moving_model(system, h) is linear_model(system)
 
 
-@pytest.mark.parametrize("one", [False, True], ids=["sea", "wave"])
-def test_end_stops_bound_what_the_model_moves(one):
-    item, h = given(hemisphere, {"end_stops": EndStops(lower=-0.05, upper=0.2, stiffness=1e6)}, one=one)
+@pytest.mark.parametrize(("one", "lower", "upper"), [(False, -0.05, 0.2), (True, -0.05, 0.2), (False, -1e9, 0.05)])
+def test_end_stops_bound_what_the_model_moves(one, lower, upper):
+    item, h = given(hemisphere, {"end_stops": EndStops(lower=lower, upper=upper, stiffness=1e6)}, one=one)
     system = prepare(item, h)
     X = moving_model(system, h).response(
         item.sea.omega, impedance(system, h, item.sea.omega), force_of_waves(system, h)
     )
     assert np.linalg.norm(X) == approx(0.05, rel=0.05)
+
+
+def test_what_rests_on_its_stop_moves_next_to_nothing():
+    item, h = given(hemisphere, {"end_stops": EndStops(lower=0.0, upper=1.0, stiffness=1e6)}, one=False)
+    system, omega = prepare(item, h), item.sea.omega
+    free, bound = (
+        np.linalg.norm(model.response(omega, impedance(system, h, omega), force_of_waves(system, h)))
+        for model in (linear_model(system), moving_model(system, h))
+    )
+    assert 0 < bound < 0.02 * free
 
 
 def test_a_latch_holds_until_waves_tear_it_off():
