@@ -7,7 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 
-from pipeline.results.variables import COORDINATES, FOUND, OF_OUTPUTS, SERIES, VARIABLES
+from pipeline.results.variables import COORDINATES, VARIABLES, output_of
 from pipeline.study import seas
 from pipeline.study.axes import TAKEN, Axis
 from pipeline.study.inherit import KINDS
@@ -32,15 +32,18 @@ def paths(study: StudyFile) -> Iterator[InputError]:
         )
         return
     limit = "is the name of another dimension, coordinate or output"
-    beside = {f"{output}{suffix}" for output in VARIABLES for suffix in (SERIES, FOUND, *OF_OUTPUTS)}
-    taken = TAKEN | VARIABLES.keys() | beside | COORDINATES.keys() - set(AXES)
+    others = TAKEN | VARIABLES.keys() | COORDINATES.keys() - set(AXES)
+
+    def taken(name: str) -> bool:
+        return name in others or output_of(name) in VARIABLES
+
     words = Counter(word.partition(" ")[0] for group in study.axes.together for word in group.beside)
     words.update(axes(study).keys())
     for group in study.axes.together:
-        if group.name in taken or getattr(study.axes, group.name, None):
+        if taken(group.name) or getattr(study.axes, group.name, None):
             yield InputError("axes.together.name", group.name, limit)
         for word, values in group.beside.items():
-            if (name := word.partition(" ")[0]) in taken or words[name] > 1:
+            if taken(name := word.partition(" ")[0]) or words[name] > 1:
                 yield InputError(f'axes.together."{word}"', list(values), limit)
     for axis in study.varied:
         together = [axis.at(place) for place in range(len(axis.labels))]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -33,10 +34,9 @@ def store_of(study: Study, results: Path) -> Store:
     """Where a study's results are; refuses a path that is no folder."""
     store = Store(results, study.name)
     for folder in (results, store.root):
-        if folder.is_symlink() and not folder.exists():
-            raise StudyError(study.path, [f"--results = {folder}: must be a folder, and is a link to nothing"])
-        if folder.exists() and not folder.is_dir():
-            raise StudyError(study.path, [f"--results = {folder}: must be a folder"])
+        if os.path.lexists(folder) and not folder.is_dir():
+            link = "" if folder.exists() else ", and is a link to nothing"
+            raise StudyError(study.path, [f"--results = {folder}: must be a folder{link}"])
     return store
 
 

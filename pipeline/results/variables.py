@@ -238,11 +238,15 @@ LOADS = {"m": "N", "rad": "N m"}  # unit of a load along an axis by that of its 
 SLIDING = {"surge", "sway", "heave"}  # the other axes turn
 
 
+def output_of(name: str) -> str:
+    """The output that what has this name goes with, or the name itself."""
+    suffixes = (SERIES, FOUND, *OF_OUTPUTS)
+    return next((name.removesuffix(suffix) for suffix in suffixes if name.endswith(suffix)), name)
+
+
 def known(name: str) -> bool:
     """Whether a dataset may have an output, or what goes with one, of this name."""
-    suffixes = (SERIES, FOUND, *OF_OUTPUTS)
-    bare = next((name.removesuffix(suffix) for suffix in suffixes if name.endswith(suffix)), name)
-    return any(each in table for each in (name, bare) for table in (VARIABLES, KNOBS, COORDINATES))
+    return any(each in table for each in (name, output_of(name)) for table in (VARIABLES, KNOBS, COORDINATES))
 
 
 def axis_units(axes: Iterable[str]) -> list[str]:

@@ -10,7 +10,7 @@ from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.lines import lengths
 from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_lines
-from solver.multibody.of_axes import bent, drag, latch_loads, latched, room
+from solver.multibody.of_axes import bent, drag, latch_loads, room
 
 KNOWN = 8  # models that a process keeps
 AGREED = 1e-2  # of a damping that errors are estimated with
@@ -34,7 +34,7 @@ def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
     met = np.abs(sea.amplitude) > 0
     omega, force, rest = sea.omega[met], force_of_waves(system, h)[met], damping_at_rest(law)
     Y, inertia = impedance(system, h, omega), omega.max() * np.diag(model.mass)[nm:]
-    latch = latched(law)[nc:] & (lengths(force[:, nm:].T) < latch_loads(law)[nc:])
+    latch = lengths(force[:, nm:].T) < latch_loads(law)[nc:]  # 0 where there is none
     free, stops, first = room(law, system.equilibrium[0])[nc:], np.zeros(len(inertia)), SOFT * inertia
     moving, more, size, least = model, *np.zeros((3, nc + len(model.mass) - nm))
     against = size  # of the rates that quadratic damping is taken for

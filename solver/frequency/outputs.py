@@ -104,9 +104,9 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
             usual, lines = tables[name][at], of_lines[name][:, *at]
             at_rate = of(law, nc + axes), rates[:, axes]
             found = borne_table(*at_rate, usual, lines, case.process, response.excess[axes])
-            if name == "hinge_force":
-                for end, beyond in enumerate((np.maximum, np.minimum)):
-                    found[:, end] = np.where(tilts[axes], beyond(found, usual)[:, end], found[:, end])
+            wider = tilts[axes] & (name == "hinge_force")
+            found[wider, 0] = np.maximum(found[wider, 0], usual[wider, 0])
+            found[wider, 1] = np.minimum(found[wider, 1], usual[wider, 1])
             tables[name][at] = found
 
 

@@ -156,9 +156,8 @@ def step_errors(probe: Probe, h: Hydrodynamics | None) -> dict[str, float]:
 
     `discretization_error`: the scheme is of fourth order, so that run differs by 15/16 of the error; or what the steps
     miss of load histories or do to what is damped by little, where that is more, of which such a run may know as
-    little. `sampling_error`,
-    where a joint's law may jump: what lies between samples half a step apart, by that run's; and the record's ends,
-    or where nothing is discarded, that no sample is at the start.
+    little. `sampling_error`, where a joint's law may jump: what lies between samples half a step apart, by that run's;
+    and the record's ends, or where nothing is discarded, that no sample is at the start.
     """
     system, jumps, scene = probe.system, probe.system.bent.size > 0, probe.recorder.scene
     half, every = system.with_step(system.dt / 2), slice(0, None) if jumps else slice(1, None, 2)

@@ -120,8 +120,8 @@ def test_nothing_is_said_of_an_axis_that_is_held(law):
     free, held = (replace(item, floats=(replace(item.floats[0], **of),)) for of in laws)
     assert [len(list(left_over(prepare(replace(each, sea=few), h), h))) for each in (free, held)] == [1, 0]
     item, h = spar(100.0, duration=100.0, discard=15.0)
-    each = (replace(item, floats=(replace(item.floats[0], **of),)) for of in laws)
-    assert [len(notes(of, h)) for of in each] == [1, 0]
+    free, held = (replace(item, floats=(replace(item.floats[0], **of),)) for of in laws)
+    assert [len(notes(each, h)) for each in (free, held)] == [1, 0]
 
 
 def test_a_platform_that_no_wave_loads_has_nothing_of_its_start():
