@@ -220,10 +220,11 @@ def wave_force(model: LinearModel, excitation: np.ndarray, modal: np.ndarray) ->
     return force
 
 
-def impedance(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
+def impedance(system: System, h: Hydrodynamics | None, omega: np.ndarray) -> np.ndarray:
     """Y = B - iω(A - A∞) (nw, na, na), A∞ the system's; zero where the scene leaves radiation out."""
-    if not system.scene.settings.radiation:
-        return np.zeros((omega.size, *h.added_mass_inf.shape), complex)
+    if h is None or not system.scene.settings.radiation:
+        na = len(linear_model(system).active)
+        return np.zeros((omega.size, na, na), complex)
     return h.impedance(omega) + 1j * omega[:, None, None] * system.bodies.added_mass
 
 

@@ -5,9 +5,12 @@ from functools import lru_cache
 import numpy as np
 
 from solver.coupled import linear_drag
-from solver.coupled.linear import LinearModel, impedance, jacobian, linear_model, wave_force
+from solver.coupled.linear import LinearModel, impedance, jacobian, linear_model
 from solver.coupled.system import System
-from solver.hydrodynamics.bem.coefficients import Hydrodynamics
+from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
+from solver.hydrodynamics.bem.incident import Sea
+from solver.hydrodynamics.bem.mean_hull import froude_krylov
+from solver.keys import shared
 from solver.lines import lengths
 from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_lines
 from solver.multibody.of_axes import bent, drag, latch_loads, room
@@ -22,7 +25,7 @@ SOFT = 1e-2  # and what that of end stops begins with
 
 
 @lru_cache(maxsize=KNOWN)
-def moving_model(system: System, h: Hydrodynamics) -> LinearModel:
+def moving_model(system: System, h: Hydrodynamics | None) -> LinearModel:
     """The linear model, its joints damped by what quadratic damping and bent laws take from the rates that it has in
     the scene's sea: friction may hold an axis that the tangent at rest leaves free, and a limit let one go. An axis is
     held that waves do not tear off its latch, and damped until √2 std is within its end stops."""
@@ -68,17 +71,39 @@ def along_waves(system: System, h: Hydrodynamics) -> np.ndarray:
 
 def force_of_waves(system: System, h: Hydrodynamics | None, drag: np.ndarray | float = 0.0) -> np.ndarray:
     """F (nw, n) of the scene's sea, with linear pressure, and drag (nw, nm) on the modes."""
-    sea = system.scene.sea
-    modal = system.rows[system.layout.modal] + np.transpose(drag)
-    return wave_force(linear_model(system), excitation(system, h, sea.omega) * sea.amplitude[:, None], modal)
+    force: np.ndarray = waves_on_floats(system, h) @ linear_model(system).shape
+    modal = system.rows[system.layout.modal]
+    force[:, : len(modal)] += modal.T + drag
+    return force
 
 
-def excitation(system: System, h: Hydrodynamics | None, omega: np.ndarray) -> np.ndarray:
+def waves_on_floats(system: System, h: Hydrodynamics | None) -> np.ndarray:
+    """The part of it on the floats, along their coordinates z (nw, nz)."""
+    if h is None:
+        return _of_incident_waves(system)
+    pushed = excitation(system, h, system.scene.sea.omega) * system.scene.sea.amplitude[:, None]
+    return np.asarray(pushed @ linear_model(system).radiating)
+
+
+@lru_cache(maxsize=KNOWN)
+def _of_incident_waves(system: System) -> np.ndarray:
+    """The same of a scene without coefficients: pressure is integrated over the hulls, here as they rest."""
+    scene, (water, sea) = system.scene, (system.scene.water, system.scene.sea)
+    still = Sea(depth=water.depth, density=water.density, gravity=water.gravity, heading=sea.heading)
+    met = (sea.amplitude != 0) & (scene.settings.froude_krylov != "none")
+    six = np.zeros((met.size, len(scene.floats), 6), complex)
+    if met.any() and scene.floats:
+        hulls, centres = [f.hull for f in scene.floats], np.array([f.centre for f in scene.floats])
+        per_amplitude = froude_krylov(hulls, centres, DOFS, still, sea.omega[met])
+        six[met] = (per_amplitude * sea.amplitude[met, None]).reshape(-1, len(hulls), 6)
+    return shared(np.tensordot(six, jacobian(system.bodies, system.equilibrium[0]), axes=2))
+
+
+def excitation(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarray:
     """Linear force of waves per amplitude (nw, na) on what radiates, but for what the scene leaves out."""
     s = system.scene.settings
     kinds = ["diffraction"] * s.diffraction + ["froude_krylov"] * (s.froude_krylov != "none")
     force = np.zeros((omega.size, len(linear_model(system).active)), complex)
-    if h is not None:
-        for kind in kinds:
-            force += h.excitation(omega, kind)
+    for kind in kinds:
+        force += h.excitation(omega, kind)
     return force

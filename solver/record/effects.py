@@ -18,7 +18,7 @@ from solver.lines import lengths, real_by_complex, real_parts
 from solver.multibody.joint_law import JointLaw
 from solver.record import decay
 from solver.record.channels import Channels
-from solver.record.response import absorbs, drag_damping, in_sea, in_waves
+from solver.record.response import absorbs, drag_damping, in_waves
 from solver.record.sampling import least_force, least_motion
 from solver.record.slow import slow_effect
 from solver.statistics import FAINT
@@ -142,9 +142,9 @@ def step_effect(system: System, h: Hydrodynamics | None) -> float:
     met = np.abs(sea.amplitude) > 0
     if not met.any():
         return 0.0
-    omega, model = sea.omega[met], linear_model(system) if h is None else moving_model(system, h)
+    omega, model = sea.omega[met], moving_model(system, h)
     modes = model.modes + [[0.0], [1.0], [0.0]] * np.diag(drag_damping(system))
-    model, Y, force = replace(model, modes=modes), in_sea(system, h)[met], force_of_waves(system, h)[met]
+    model, Y, force = replace(model, modes=modes), impedance(system, h, omega), force_of_waves(system, h)[met]
     turn = np.tan(omega * system.dt / 2)
     seen = 4 * turn / (1 + np.sqrt(1 + 4 * turn**2 / 3)) / system.dt
     exact, X = (model.response(w + 1j / (s.discard + s.duration), Y, force) for w in (omega, seen))

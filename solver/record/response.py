@@ -7,7 +7,7 @@ import numpy as np
 
 from solver.coupled import linear_drag
 from solver.coupled.linear import impedance, linear_model
-from solver.coupled.moving import excitation, force_of_waves
+from solver.coupled.moving import force_of_waves, waves_on_floats
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody.joint_law import JointLaw
@@ -38,20 +38,15 @@ def in_waves(system: System, h: Hydrodynamics | None) -> InWaves:
         drag, mean = system.structure.drag * linear_drag.by_station(K, water), system.structure.drag * force.T
     flat = drag.reshape(len(drag), math.prod(station.shape[1:]))
     force = force_of_waves(system, h, flat @ station.reshape(len(station), flat.shape[1]).T)
-    return InWaves(linear_model(system).response(omega, in_sea(system, h), force), flat, mean.ravel())
+    return InWaves(linear_model(system).response(omega, impedance(system, h, omega), force), flat, mean.ravel())
 
 
 def carried(system: System, h: Hydrodynamics | None, X: np.ndarray) -> np.ndarray:
     """Load (nw, nc) of the floats on the carriers in that response X (nw, n)."""
-    model, sea = linear_model(system), system.scene.sea
-    pushed = excitation(system, h, sea.omega) * sea.amplitude[:, None]
-    return model.carried(sea.omega, X @ model.shape.T, in_sea(system, h), pushed)
-
-
-def in_sea(system: System, h: Hydrodynamics | None) -> np.ndarray:
-    """Y (nw, na, na); of nothing without coefficients."""
-    omega = system.scene.sea.omega
-    return impedance(system, h, omega) if h is not None else np.zeros((omega.size, 0, 0))
+    model, omega = linear_model(system), system.scene.sea.omega
+    none = np.zeros((omega.size, len(model.active)))
+    moved = model.carried(omega, X @ model.shape.T, impedance(system, h, omega), none)
+    return moved + waves_on_floats(system, h)[:, : moved.shape[1]]
 
 
 def drag_damping(system: System) -> np.ndarray:

@@ -83,7 +83,7 @@ def radiating(system: System, h: Hydrodynamics | None, own: np.ndarray, shapes: 
 
 def unradiated(system: System, h: Hydrodynamics | None, shapes: np.ndarray) -> np.ndarray:
     """The rest of B (m,), dampers and drag, of shapes (m, n)."""
-    model, nm = linear_model(system) if h is None else moving_model(system, h), system.structure.omega.size
+    model, nm = moving_model(system, h), system.structure.omega.size
     D = model.damping.copy()
     D[:nm, :nm] += drag_damping(system)
     return np.asarray(np.einsum("mi,ij,mj->m", shapes, D, shapes))

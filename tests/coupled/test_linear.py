@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 from scipy.interpolate import CubicSpline
 
-from solver.coupled import driving, linear, natural, preparation, ritz, support
+from solver.coupled import driving, linear, moving, natural, preparation, ritz, support
 from solver.coupled import system as systems
 from solver.coupled.equilibrium import balance, differences
 from solver.coupled.linear import impedance, linear_model
@@ -16,6 +16,7 @@ from solver.frequency import case
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.record import effects
 from solver.record.effects import coefficient_effects, shapes_effect
+from solver.record.response import carried, in_waves
 from solver.run import simulate
 from solver.scene import DOFS, Float
 from solver.sea.current import Current
@@ -199,6 +200,23 @@ def test_mesh_effect_is_what_the_march_shows(name, monkeypatch):
         changes.append(np.abs(b[used, 4] / a[used, 4] - 1).max(initial=0))
     memory, told = coefficient_effects(prepare(linear, h), h)
     assert told / 3 < max(changes) < 3 * told + 2 * memory
+
+
+@pytest.mark.parametrize("name", ["duck", "oblique", "unequal_legs"])
+def test_waves_push_floats_without_coefficients_as_by_theirs(name):
+    """What their hulls feel of the incident waves; and so what they put on a frame."""
+    item, h = SCENES[name]()
+    alone, known = (
+        replace(item, settings=replace(item.settings, radiation=False, diffraction=False, froude_krylov=kind))
+        for kind in ("body-nonlinear", "linear")
+    )
+    ours, theirs = prepare(alone, None), prepare(known, h)
+    force = moving.force_of_waves(theirs, h)
+    # About its own equilibrium each: nonlinear pressure is that of the hull's panels.
+    assert moving.force_of_waves(ours, None) == approx(force, abs=1e-3 * np.abs(force).max())
+    X = in_waves(theirs, h).X
+    borne = carried(theirs, h, X)
+    assert carried(ours, None, X) == approx(borne, abs=1e-3 * np.abs(borne).max(initial=0.0))
 
 
 def test_impedance_beyond_the_frequencies_solved_for():
