@@ -163,17 +163,6 @@ def skewed(factor: float) -> Iterator[str]:
         )
 
 
-def not_gaussian(floats: Sequence[Float], factor: np.ndarray) -> Iterator[str]:
-    """A sentence for each axis whose extremes to be expected are not those of a Gaussian rate, by a factor (nj,)."""
-    axes = [(f.name, axis) for f in floats for axis in f.motion]
-    for (name, axis), times in zip(axes, factor, strict=True):
-        if max(times, 1 / times) > APART:
-            yield (
-                f"floats.{name}: the load by rate makes {axis} unlike the linear model that max and min are of: expect"
-                f" {times:.2g} times their motion and rate, and up to {times**2:.2g} times their power"
-            )
-
-
 def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) -> Iterator[str]:
     """A sentence for each axis whose motion or rate, met from `low` to `high` (2, nj), leaves the range in which the
     load of its power take-off is given, where that is not level at the range's end."""

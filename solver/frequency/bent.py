@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from solver.frequency import gaussian
-from solver.frequency.shape import warped
+from solver.frequency.shape import density, warped
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import JointLoads, bent, joint_loads
 from solver.statistics import moments
@@ -45,17 +45,16 @@ def borne_table(
 ) -> np.ndarray:
     """(n, 5) of forces that are linear but for -f(v), of which their lines F (nl, n) and statistics have -cv, (n, 5).
 
-    c = ⟨fv⟩/⟨v²⟩ of a Gaussian rate or one harmonic. Of waves whose phases are known, those of the sum. Else, of a rate
-    with the kurtosis κ (n,) beyond a Gaussian's, what c leaves goes with nothing linear, σ² = σ_L² + ⟨(f - cv)²⟩, and
-    extremes are those of the cycle in which the rate is largest: all that is linear, L = F + cv, has a part in phase
-    with v and one a quarter turn off.
+    c = ⟨fv⟩/⟨v²⟩ of one harmonic, or a rate with the kurtosis κ (n,) beyond a Gaussian's. Of waves whose phases are
+    known, those of the sum. Else what c leaves goes with nothing linear, σ² = σ_L² + ⟨(f - cv)²⟩, and extremes are
+    those of the cycle in which the rate is largest: all that is linear, L = F + cv, has a part in phase with v and one
+    a quarter turn off.
     """
-    mean, sigma = usual[:, 2], gaussian.spread(V)
+    mean, sigma, one = usual[:, 2], gaussian.spread(V), len(V) == 1
     variance = np.where(sigma > 0, sigma**2, 1.0)
-    one, size = len(V) == 1, np.sqrt(variance)
-    v, weights = (gaussian.one_period(V), ONE) if one else (gaussian.SIZES[:, None] * sigma, gaussian.WEIGHTS)
-    f = load(v)
-    c = weights @ (f * v) / variance
+    size = np.sqrt(variance)
+    v, weights = (gaussian.one_period(V), ONE[:, None]) if one else (gaussian.SIZES[:, None] * sigma, density(kappa))
+    c = np.sum(weights * load(v) * v, axis=0) / variance
     if (rates := of.sampled(V)) is not None and (linear := of.sampled(F)) is not None:
         level = mean + linear - linear.mean(axis=0) + c * rates
         return moments(level - load(rates if one else size * warped(rates / size, kappa)))  # of loads that may jump
@@ -70,22 +69,32 @@ def borne_table(
     return np.stack([mean + cycle.max(axis=0), mean + cycle.min(axis=0), mean, np.hypot(mean, std), std], axis=-1)
 
 
-def absorbed_table(load: Load, V: np.ndarray, of: gaussian.Process) -> np.ndarray:
-    """(5,) of P = Σ fᵢ(vᵢ) vᵢ of axes with rates of lines V (nl, n).
+def fastest(V: np.ndarray, of: gaussian.Process, kappa: np.ndarray) -> np.ndarray:
+    """The largest sizes (n,) of rates of lines V (nl, n) and kurtosis κ (n,) beyond a Gaussian's, in either sense."""
+    sigma = gaussian.spread(V)
+    size = np.where(sigma > 0, sigma, 1.0)
+    return np.asarray(size * warped(gaussian.fastest(V, of) / size, kappa))
+
+
+def absorbed_table(load: Load, V: np.ndarray, of: gaussian.Process, kappa: np.ndarray) -> np.ndarray:
+    """(5,) of P = Σ fᵢ(vᵢ) vᵢ of axes with rates of lines V (nl, n) and kurtosis κ (n,) beyond a Gaussian's.
 
     Two axes' powers go together as squares of their rates do, by ρᵢⱼ², and vary less by few lines as theirs do. What
     the largest is above the mean is the largest eigenvalue of ρᵢⱼ √(pᵢpⱼ), p of each alone: that of linear laws, see
     gaussian.power_table.
     """
-    if (v := of.sampled(V)) is not None:
-        return gaussian.tabulated([np.sum(load(v) * v, axis=1, keepdims=True)])[0]
     S = gaussian.covariance(V, V)
     sigma = np.sqrt(np.diag(S))
-    v, fastest = gaussian.SIZES[:, None] * sigma, gaussian.fastest(V, of) * COS
+    size = np.where(sigma > 0, sigma, 1.0)
+    if (v := of.sampled(V)) is not None:
+        v = v if len(V) == 1 else size * warped(v / size, kappa)
+        return gaussian.tabulated([np.sum(load(v) * v, axis=1, keepdims=True)])[0]
+    v = sigma * warped(gaussian.SIZES[:, None], kappa)
+    cycle = fastest(V, of, kappa) * COS
     power = load(v) * v
     each = gaussian.WEIGHTS @ power
     std = np.sqrt((gaussian.WEIGHTS @ power**2 - each**2).clip(min=0.0))
-    above = np.sqrt((np.max(load(fastest) * fastest, axis=0) - each).clip(min=0.0))
+    above = np.sqrt((np.max(load(cycle) * cycle, axis=0) - each).clip(min=0.0))
     alike = np.divide(S, np.outer(sigma, sigma), out=np.zeros(S.shape), where=np.outer(sigma, sigma) > 0)
     linear = np.divide(each, sigma**2, out=np.zeros(each.size), where=sigma > 0)
     mean, total = each.sum(), np.sqrt(std @ alike**2 @ std) * gaussian.of_lines(np.diag(linear), V)

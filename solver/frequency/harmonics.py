@@ -28,7 +28,7 @@ from solver.frequency.case import Case
 from solver.frequency.drag_effect import Effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
-from solver.frequency.shape import beyond_rayleigh
+from solver.frequency.shape import warped
 from solver.lines import real_by_complex, some
 from solver.multibody.joint_law import JointLaw
 from solver.record.probe import UNTOLD
@@ -182,7 +182,7 @@ def _extremes(
     beyond = np.mean(y[:, used] ** 4, axis=0) / square[used] ** 2
     beyond -= np.mean(linear[:, used] ** 4, axis=0) / np.mean(linear[:, used] ** 2, axis=0) ** 2
     u = gaussian.peak(told[:, used], case.process)
-    return float(np.max(beyond_rayleigh(np.maximum(beyond, 0.0), u) + skewness * (u - 1 / u) / 6))
+    return float(np.max(warped(u, np.maximum(beyond, 0.0)) / u + skewness * (u - 1 / u) / 6))
 
 
 def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:

@@ -10,6 +10,7 @@ from solver.frequency.bent import absorbed_table, borne_table, pto_load, rate_lo
 from solver.frequency.case import Case
 from solver.frequency.catenaries import slopes, tension_table
 from solver.frequency.response import Response
+from solver.frequency.shape import reached
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 from solver.record.channels import ELEVATION, Labelled
@@ -36,13 +37,15 @@ class OfPlatform(NamedTuple):
 
 
 def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
-    """Of power take-offs, if asked for: from one end to the other, and the way in an hour, 3600 ⟨|v|⟩."""
+    """Of power take-offs, if asked for: from one end to the other, and the way in an hour, 3600 ⟨|v|⟩, of rates with
+    kurtosis κ beyond a Gaussian's 1 - κ/24 of that."""
     if "pto_stroke" not in case.system.scene.settings.outputs or not case.channels.axes:
         return
     joints, rates = joint_lines(case, response), rate_lines(case, response)
-    ends = gaussian.table(np.zeros(joints.shape[1]), joints, case.process)
+    ends = reached(gaussian.table(np.zeros(joints.shape[1]), joints, case.process), response.excess[1])
     of_rates = case.process.sampled(rates)
-    size = np.sqrt(2 / np.pi) * gaussian.spread(rates) if of_rates is None else np.abs(of_rates).mean(axis=0)
+    usual = np.sqrt(2 / np.pi) * gaussian.spread(rates) if of_rates is None else np.abs(of_rates).mean(axis=0)
+    size = usual * (1 - response.excess[0] / 24)
     yield "pto_stroke", case.channels.at_axes(ends[:, 0] - ends[:, 1])
     yield "pto_travel", case.channels.at_axes(3600 * size)
 
@@ -79,8 +82,8 @@ def _of_law(case: Case, axes: np.ndarray) -> np.ndarray:
 
 
 def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], tables: dict[str, np.ndarray]) -> None:
-    """By the whole law what axes bear that it bends, in place: `pto_force`, and along an axis that slides the joint's
-    `hinge_force`, with all that goes by rate.
+    """By the whole law, and rates and motions of the shape that it makes, in place: how far and how fast axes move, and
+    what they bear, `pto_force`, and along an axis that slides the joint's `hinge_force`, with all that goes by rate.
 
     Axes that friction holds bear what the linear model says. On a float, which tilts, a joint has part of what it bears
     across its axis along it: of second order, but beside a limit most of the largest. Of these no less is told than by
@@ -91,11 +94,19 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
     by_rate = response.bends | (drag(law)[nc:] > 0)
     if not by_rate.any():
         return
+    place = channels.owner, [channels.axes.index(name) for name in channels.names]
+    for name, kappa in (("pto_rate", response.excess[0]), ("motion", response.excess[1])):
+        if name in tables:
+            tables[name][place] = reached(tables[name][place], kappa)
+    if "rotation" in tables:
+        hinged = [name == "hinge" for name in channels.names]
+        turned = channels.owner[hinged]
+        tables["rotation"][turned] = reached(tables["rotation"][turned], response.excess[1, hinged])
     owner, of_lines = channels.owner, {name: lines for name, _, lines in linear}
     tilts = np.array(scene.carriers)[owner] >= 0
     slides, moved = np.array([name in DOFS[:3] for name in channels.names], bool), ~response.stuck
     for name, which, of, order in (
-        ("pto_force", moved & response.bends, pto_load, channels.axes),
+        ("pto_force", moved & by_rate, pto_load, channels.axes),
         ("hinge_force", moved & slides & by_rate, rate_load, DOFS),
     ):
         axes = np.flatnonzero(which)
@@ -103,7 +114,7 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
             at = owner[axes], [order.index(channels.names[j]) for j in axes]
             usual, lines = tables[name][at], of_lines[name][:, *at]
             at_rate = of(law, nc + axes), rates[:, axes]
-            found = borne_table(*at_rate, usual, lines, case.process, response.excess[axes])
+            found = borne_table(*at_rate, usual, lines, case.process, response.excess[0, axes])
             wider = tilts[axes] & (name == "hinge_force")
             found[wider, 0] = np.maximum(found[wider, 0], usual[wider, 0])
             found[wider, 1] = np.minimum(found[wider, 1], usual[wider, 1])
@@ -117,11 +128,12 @@ def of_squares(case: Case, response: Response, platform: OfPlatform, law: JointL
         z = case.system.equilibrium[0] + case.model.shape @ response.mean.x
         yield "line_tension", tension_table(case, response.Z, z)
     if scene.floats:
-        pto, rates, bends = response.pto, rate_lines(case, response), response.bends & ~response.stuck
+        pto, rates, shaped = response.pto, rate_lines(case, response), response.excess[0] != 0
+        bends = response.bends & ~response.stuck
         owned = [channels.owner == b for b in range(len(scene.floats))]
         powers = [
-            absorbed_table(pto_load(law, _of_law(case, i)), rates[:, i], case.process)
-            if np.any(bends & i)
+            absorbed_table(pto_load(law, _of_law(case, i)), rates[:, i], case.process, response.excess[0, i])
+            if np.any((bends | shaped) & i)
             else gaussian.power_table(pto[i], rates[:, i], case.process)
             for i in owned
         ]

@@ -25,6 +25,7 @@ LEAST = 1e-12  # of them in a second: the rate that friction is linearised by wh
 FARTHEST = 0.98  # slope of a secant
 ROUNDING = 1e-12  # change of a std that tells no more of how the next will be
 ROUNDS = 300
+SHAPED, ALIKE = 6, 2e-3  # times that dampers are taken again for rates of the shape they have, and change of a kurtosis
 UNBOUNDED = 1e6  # times the sum of the waves' amplitudes: no damping holds what moves as far
 
 
@@ -62,7 +63,7 @@ class Response:
     mesh_effect: float  # see effects.coefficient_effects
     linearisation_effect: float  # see _linearisation_effect
     bends: np.ndarray  # (nj,) which axes' law has several zones
-    excess: np.ndarray  # (nj,) kurtosis of the joints' rates beyond a Gaussian's: see shape
+    excess: np.ndarray  # (2, nj) kurtosis of the joints' rates and motions beyond a Gaussian's: see shape
     stuck: np.ndarray  # (nj,) which axes friction holds
 
 
@@ -75,8 +76,8 @@ def respond(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Response:
 def respond_in(case: Case, law: JointLaw) -> Response:
     """To a case's sea, with the law of its joints."""
     model, omega = case.model, case.omega
-    last, nm = _agreed(case, law), model.modes.shape[1]
-    excess = _excess(case, law, last)
+    last, excess = _shaped(case, law)
+    nm = model.modes.shape[1]
     X, drag = last.X.T, _borne(case, last) if case.stations.size else _no_drag(case)
     wrench = model.loads(omega, X, case.impedance, case.excitation)
     Z = real_by_complex(model.shape, last.X).T
@@ -92,7 +93,7 @@ def respond_in(case: Case, law: JointLaw) -> Response:
         rounds=last.rounds,
         mean=_mean(case, last.rate[:nm]),
         mesh_effect=_mesh_effect(case, law, last, wrench),
-        linearisation_effect=_linearisation_effect(case, law, last, excess),
+        linearisation_effect=_linearisation_effect(case, law, last, excess[0]),
         bends=last.bends,
         excess=excess,
         stuck=last.stuck,
@@ -128,8 +129,22 @@ class _Round:
     rounds: int
 
 
-def _agreed(case: Case, law: JointLaw) -> _Round:
-    """The round that agrees with the one before it."""
+def _shaped(case: Case, law: JointLaw) -> tuple[_Round, np.ndarray]:
+    """The round whose dampers are by rates as these are distributed; their excess (2, nj)."""
+    nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
+    last = _agreed(case, law, np.zeros((2, nc + len(case.model.mass) - nm)))
+    excess = _excess(case, law, last)
+    for _ in range(SHAPED if excess.any() else 0):
+        sigma, kappa = (np.concatenate([np.zeros(nc), x]) for x in (gaussian.spread(last.rate[nm:].T), excess[0]))
+        last, before = _agreed(case, law, shape.change_of_damping(law, sigma, kappa)), excess
+        excess = _excess(case, law, last)
+        if np.all(np.abs(excess - before) <= ALIKE):
+            break
+    return last, excess
+
+
+def _agreed(case: Case, law: JointLaw, more: np.ndarray) -> _Round:
+    """The round that agrees with the one before it; more (2, nc + nj): see shape.change_of_damping."""
     model, omega, stations = case.model, case.omega, case.stations
     nm, nc = model.modes.shape[1], case.system.structure.carrier.shape[0]
     height = float(np.abs(case.system.scene.sea.amplitude).sum())
@@ -149,10 +164,10 @@ def _agreed(case: Case, law: JointLaw) -> _Round:
             now = _Sizes(taken, lengths(rate[nm:]))
             taken, before = np.where(held[nm:], least, np.maximum(_next(now, before), least)), now
             rates = rate[nm:] * np.divide(taken, now.given, out=np.ones(taken.size), where=now.given > 0)[:, None]
-            dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rates.T[:, None])[:, 0, 0]
+            dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rates.T[:, None])[:, 0, 0] + more[1, nc:]
         if bent:
             length = np.concatenate([np.zeros(nc), lengths(rates)])
-            pto = linearised.damping_of_lines(law, length, single=omega.size == 1)[nc:]
+            pto = linearised.damping_of_lines(law, length, single=omega.size == 1)[nc:] + more[0, nc:]
             dampers = dampers + (pto - at_rest)
         damping[joints, joints] = dampers
         X = case.equation.response(push, damping)
@@ -203,18 +218,19 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) ->
 
 
 def _excess(case: Case, law: JointLaw, last: _Round) -> np.ndarray:
-    """Kurtosis of the joints' rates (nj,) beyond a Gaussian's; of one wave, and of axes that are held, none."""
+    """Kurtosis of the joints' rates and motions (2, nj) beyond a Gaussian's; of one wave, and of axes that are held,
+    none."""
     nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
     rate, joints = last.rate[nm:], ((of_axes.drag(law)[nc:] > 0) | last.bends) & ~last.stuck
     mobility = np.zeros(rate.shape, complex)
     if rate.shape[1] == 1 or not joints.any():
-        return np.zeros(len(rate))
+        return np.zeros((2, len(rate)))
     for j in np.flatnonzero(joints):
         force = np.zeros(last.X.shape, complex)
         force[nm + j] = 1.0
         mobility[j] = -1j * case.omega * case.equation.response(force, last.damping)[nm + j]
     lines = np.zeros((nc, rate.shape[1]))
-    return shape.excess(law, case.omega, *(np.concatenate([lines, x]) for x in (rate, mobility)))[nc:]
+    return shape.excess(law, case.omega, *(np.concatenate([lines, x]) for x in (rate, mobility)))[:, nc:]
 
 
 def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.ndarray) -> float:
@@ -222,8 +238,7 @@ def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.nd
 
     That goes with no rate in the mean, moves the axis as a force of the rate's spectrum about that and of its own below
     the waves, and adds to the variance of the motions: so marches tell, and they agree within a factor of 3. See
-    response_error. The same load gives the rate its kurtosis, by which the std of power changes, too, in the same sense
-    as a rule.
+    response_error. Besides, what it is beyond the third order gives the rate a shape that no kurtosis tells.
     """
     nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
     if not (of_axes.drag(law).any() or last.bends.any()):
@@ -232,7 +247,8 @@ def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.nd
         return _by_overtones(case, law, last)
     rate = last.rate[nm:]
     rms = np.concatenate([np.zeros(nc), lengths(rate) / np.sqrt(2)])
-    rest = linearised.rest(law, rms, linearised.GAUSSIAN)
+    kappa = np.concatenate([np.zeros(nc), excess])
+    rest = linearised.rest(law, rms, shape.warped(linearised.GAUSSIAN[:, None], kappa))
     share = np.divide(rest, rms, out=np.zeros(rms.size), where=rms > 0)[nc:]
     force = np.zeros(last.X.shape, complex)
     force[nm:] = np.where(last.stuck, 0.0, share)[:, None] * rate
@@ -242,7 +258,7 @@ def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.nd
     slowly, slow = left.slow_motions(case, rate_load(law, nc + which), nm + which, rate[which].T, last.damping)
     waves, both = np.pad(last.X, ((0, 0), (0, slowly.size))), np.concatenate([grown * last.X, slow], axis=1)
     moved = response_error(case.system, law, np.append(case.omega, slowly), both.T, waves.T)
-    return moved + shape.power_error(law, rms, np.concatenate([np.zeros(nc), excess]))
+    return moved + shape.power_error(law, rms, kappa)
 
 
 def _by_overtones(case: Case, law: JointLaw, last: _Round) -> float:

@@ -15,7 +15,7 @@ from solver.frequency.bent import Load, rate_load
 from solver.frequency.case import NARROW, Case
 from solver.frequency.outputs import Forces, OfPlatform, rate_lines
 from solver.frequency.response import Response
-from solver.frequency.shape import beyond_rayleigh
+from solver.frequency.shape import warped
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 
@@ -60,7 +60,9 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlat
     if one:
         return platform
     loads = np.concatenate([moved * np.diag(response.damping)[nm + axes], force])
-    return platform._replace(extremes=_extremes(case, load, moved, response.excess[axes], loads, platform.frame.lines))
+    return platform._replace(
+        extremes=_extremes(case, load, moved, response.excess[0, axes], loads, platform.frame.lines)
+    )
 
 
 def _extremes(
@@ -72,8 +74,7 @@ def _extremes(
     loads (nl, nj): their lines, by rates with an excess of kurtosis (nj,).
     """
     steel, furthest, of = case.channels.steel, 1.0, case.process
-    peak = gaussian.peak(rates, of)
-    fastest = gaussian.spread(rates) * peak * beyond_rayleigh(excess, peak)
+    fastest = gaussian.spread(rates) * warped(gaussian.peak(rates, of), excess)
     told = gaussian.spread(loads) * gaussian.peak(loads[: of.omega.size], of)
     more = (load(fastest[None])[0] / told) ** 2 - 1
     for _, lines in steel.channels(frame) if steel is not None else ():

@@ -8,6 +8,7 @@ import numpy as np
 
 from solver.coupled.assembly import joint_law
 from solver.frequency import drift, gaussian
+from solver.frequency.bent import fastest
 from solver.frequency.case import Case, case_of
 from solver.frequency.catenaries import lines_effect
 from solver.frequency.drag_effect import drag_effect
@@ -29,7 +30,6 @@ from solver.frequency.resonance import unresolved
 from solver.frequency.response import Response, respond, respond_in
 from solver.frequency.ringing import rung
 from solver.frequency.rotation import rotation_effect, turned
-from solver.frequency.shape import beyond_rayleigh
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, cautions, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import friction
@@ -44,7 +44,7 @@ from solver.record.fatigue import crossing_rate
 from solver.record.probe import UNTOLD, knows_finer, with_tables
 from solver.record.spectra import bands, crossings, moments
 from solver.record.steel import Steel
-from solver.remarks import beyond_tables, drag_driven, not_gaussian, of_motions, pulled, skewed, stopped
+from solver.remarks import beyond_tables, drag_driven, of_motions, pulled, skewed, stopped
 from solver.scene import Scene, require_waves
 
 NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
@@ -112,7 +112,7 @@ class _Solved:
     @cached_property
     def fastest(self) -> np.ndarray:
         """Rates (nj,) that the joints are to be expected to reach."""
-        return gaussian.fastest(rate_lines(self.case, self.response), self.case.process)
+        return fastest(rate_lines(self.case, self.response), self.case.process, self.response.excess[0])
 
     def tables(self) -> dict[str, np.ndarray]:
         """Of all outputs, in the order of STATISTICS."""
@@ -174,7 +174,6 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
         *idle(scene),
         *of_motions(scene, case.channels.axes, tables),
         *_beyond_tables(of),
-        *not_gaussian(scene.floats, _beyond_rayleigh(case, response)),
         *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),
         *pulled(of.platform.extremes),
@@ -226,14 +225,6 @@ def _law_effect(case: Case, response: Response, scene: Scene) -> float:
     waves = case.waves.size
     exact = respond(with_tables(scene, PtoTable.by_finer), case.hydrodynamics).X[:waves]
     return response_error(case.system, case.law(scene.floats), case.waves, response.X[:waves], exact)
-
-
-def _beyond_rayleigh(case: Case, response: Response) -> np.ndarray:
-    """Extremes of the joints' motions (nj,) over those of Gaussian ones."""
-    if not response.excess.any():
-        return np.ones(response.excess.size)
-    peak = gaussian.peak(rate_lines(case, response), case.process)
-    return beyond_rayleigh(response.excess, peak)
 
 
 def _stopped(case: Case, law: JointLaw, response: Response) -> list[str]:

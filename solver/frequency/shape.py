@@ -5,79 +5,127 @@ mobility H of the axis, changes the fourth cumulant by 4⟨v³ v₁⟩, v₁ = -
 
     κ = -24 a₃/σ⁴ ∫ h(τ) R(τ)³ dτ,
 
-the mean of Re H over the spectrum of R³, lines of which are sums of three of the rate's. Nothing is below κ = -2.
+the mean of Re H over the spectrum of R³, lines of which are sums of three of the rate's. Of the motion y it is, with
+R_yv = ⟨y v(t - τ)⟩, the mean of Re H/ω over the odd spectrum of R_yv³, and σ_y⁴ for σ⁴. Nothing is below κ = -2.
+
+Such rates are as dense at x = v/σ as a Gaussian's, times 1 + κ/24 (x⁴ - 6x² + 3) (Gram and Charlier), and a linear
+damping ⟨fv⟩/⟨v²⟩ takes as much power as a load: of a quadratic damper (1 + κ/8) of that of a Gaussian rate.
 """
+
+from functools import lru_cache
 
 import numpy as np
 
 from solver.frequency import gaussian
+from solver.keys import shared
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import joint_loads
 
 BINS = 128  # of frequencies up to the highest
+FLATTER = 200  # shapes that are flatter than a Gaussian's
+TINY = 1e-9
 
 
 def excess(law: JointLaw, omega: np.ndarray, V: np.ndarray, mobility: np.ndarray) -> np.ndarray:
-    """κ (n,) of rates of lines V (n, nw) of axes with a law, H (n, nw) [m/N s] of each."""
+    """κ (2, n) of rates of lines V (n, nw), and of their motions, of axes with a law, H (n, nw) [m/N s] of each."""
     sigma = gaussian.spread(V.T)
     x = gaussian.SIZES[:, None]
-    rates = x * sigma
-    loads = joint_loads(law, np.zeros(rates.shape), rates)
-    third = gaussian.WEIGHTS @ ((loads.pto + loads.loss) * (x**3 - 3 * x)) / 6  # a₃σ³
-    kappa = np.zeros(sigma.size)
+    third = gaussian.WEIGHTS @ (_loads(law, x * sigma).sum(axis=0) * (x**3 - 3 * x)) / 6  # a₃σ³
+    kappa = np.zeros((2, sigma.size))
     for i in np.flatnonzero(sigma > 0):
-        kappa[i] = -24 * third[i] / sigma[i] * _mean_mobility(omega, V[i], mobility[i].real)
+        kappa[:, i] = -24 * third[i] / sigma[i] * _mean_mobilities(omega, np.abs(V[i]) ** 2, mobility[i].real)
     return np.where(kappa < 0, kappa / (1 - kappa / 2), kappa)
 
 
-def _mean_mobility(omega: np.ndarray, v: np.ndarray, H: np.ndarray) -> float:
-    """Of H (nw,) over the sums of three lines v (nw,) of either sign; none is known beyond the lines."""
+def change_of_damping(law: JointLaw, sigma: np.ndarray, kappa: np.ndarray) -> np.ndarray:
+    """Linear damping (2, n) of power take-offs, and of all else that goes by rate, by κ (n,) of rates of std σ (n,)."""
+    x = gaussian.SIZES[:, None]
+    more = np.sum((density(kappa) - gaussian.WEIGHTS[:, None]) * x * _loads(law, x * sigma), axis=1)
+    return np.divide(more, sigma, out=np.zeros(more.shape), where=sigma > 0)
+
+
+def _loads(law: JointLaw, rates: np.ndarray) -> np.ndarray:
+    """(2, m, n) of power take-offs, and all else by rate, at rates (m, n): of either sense the mean."""
+    there, back = (joint_loads(law, np.zeros(rates.shape), v) for v in (rates, -rates))
+    return np.stack((there.pto - back.pto, there.loss - back.loss)) / 2
+
+
+def density(kappa: np.ndarray) -> np.ndarray:
+    """Weights (…, n) of SIZES of rates with κ (n,), for means of what is even."""
+    x = gaussian.SIZES[:, None]
+    return np.asarray(gaussian.WEIGHTS[:, None] * (1 + kappa / 24 * (x**4 - 6 * x**2 + 3)))
+
+
+def _mean_mobilities(omega: np.ndarray, square: np.ndarray, H: np.ndarray) -> np.ndarray:
+    """(2,) of H (nw,) over the sums of three lines |v|² (nw,) of either sign, even and odd; none is known beyond the
+    lines."""
     edges = np.linspace(0.0, omega.max(), BINS + 1)
-    power, order = np.histogram(omega, edges, weights=np.abs(v) ** 2)[0], np.argsort(omega)
-    both = np.concatenate([power[::-1], power]) / (2 * power.sum())
-    three = np.convolve(np.convolve(both, both), both)[2 * BINS - 1 : 4 * BINS - 1]  # about zero, half a bin off
-    at = np.abs((np.arange(2 * BINS) - BINS + 0.5) * edges[1])
-    return float(three @ np.interp(at, omega[order], H[order], left=0.0))
+    at, order = (np.arange(2 * BINS) - BINS + 0.5) * edges[1], np.argsort(omega)  # about zero, half a bin off
+    there = np.interp(np.abs(at), omega[order], H[order], left=0.0)
+    means = []
+    for share, sense, heard in ((square, 1, there), (square / omega, -1, -there / at)):
+        power = np.histogram(omega, edges, weights=share)[0]
+        both = np.concatenate([sense * power[::-1], power]) / 2
+        means.append(np.convolve(np.convolve(both, both), both)[2 * BINS - 1 : 4 * BINS - 1] @ heard)
+    return np.array(means) / square.sum() / [square.sum() ** 2, np.sum(square / omega**2) ** 2]
 
 
 def power_error(law: JointLaw, sigma: np.ndarray, kappa: np.ndarray) -> float:
-    """Largest relative change of the std of what an axis absorbs at rates of std σ (n,) by their kurtosis.
+    """Largest relative error of the std of what an axis absorbs at rates of std σ (n,) by what κ does not tell.
 
-    By Gram and Charlier's series, of weights 1 + κ/24 (x⁴ - 6x² + 3); of a linear load (1 + κ/2)^½.
+    By Gram and Charlier's series κ makes a linear load's (1 + κ/2)^½ of what it is. Of that change, as much as of what
+    linear damping leaves of the loads is beyond the third order, 1 - 3! a₃²σ⁶/⟨(f - cv)²⟩: 0.06 of it by quadratic
+    dampers, 0.71 by friction.
     """
     x = gaussian.SIZES[:, None]
     rates = x * sigma
-    power = joint_loads(law, np.zeros(rates.shape), rates).pto * rates
+    f, power = _loads(law, rates).sum(axis=0), joint_loads(law, np.zeros(rates.shape), rates).pto * rates
+    linear, third = (gaussian.WEIGHTS @ (f * order) for order in (x, x**3 - 3 * x))
+    left = gaussian.WEIGHTS @ f**2 - linear**2
+    beyond = 1 - np.divide(third**2 / 6, left, out=np.ones(left.size), where=left > third**2 / 6)
     usual = _variance(gaussian.WEIGHTS[:, None], power)
-    more = _variance(gaussian.WEIGHTS[:, None] * (1 + kappa / 24 * (x**4 - 6 * x**2 + 3)), power)
+    more = _variance(density(kappa), power)
     ratio = np.divide(more, usual, out=np.ones(usual.size), where=usual > 0)
-    return float(np.abs(np.sqrt(ratio.clip(min=0.0)) - 1).max(initial=0.0))
+    return float((beyond * np.abs(np.sqrt(ratio.clip(min=0.0)) - 1)).max(initial=0.0))
 
 
 def _variance(weight: np.ndarray, power: np.ndarray) -> np.ndarray:
     return np.sum(weight * power**2, axis=0) - np.sum(weight * power, axis=0) ** 2
 
 
-def beyond_rayleigh(kappa: np.ndarray, peak: np.ndarray) -> np.ndarray:
-    """Extremes expected of processes with κ (n,) over those u σ of Gaussian ones.
+def reached(table: np.ndarray, kappa: np.ndarray) -> np.ndarray:
+    """Statistics (n, 5) of processes with κ (n,), by those of Gaussian ones."""
+    ends, mean, std = table[:, :2].T, table[:, 2], np.where(table[:, 4] > 0, table[:, 4], 1.0)
+    return np.concatenate([(mean + std * warped((ends - mean) / std, kappa)).T, table[:, 2:]], axis=1)
 
-    Winterstein's x = u + h₄ (u³ - 3u), h₄ = ((1 + 1.5κ)^½ - 1)/18 (1988), and as much less where κ is negative.
+
+def warped(u: np.ndarray, kappa: np.ndarray) -> np.ndarray:
+    """Samples (m, n) of a process of variance 1 with κ (n,) where a Gaussian one has u, (m, n) or (m, 1).
+
+    By Winterstein (1988): in proportion x = u + h (u³ - 3u), h = ((1 + 1.5κ)^½ - 1)/18, and of a negative κ
+    x + h (x³ - 3x) = u, by the h < ⅓ that has this κ.
     """
-    return _factor(kappa, (peak**2 - 3).clip(min=0.0))
+    every = gaussian.SIZES[:, None]
+    return np.asarray(_cubic(u, kappa) / np.sqrt(gaussian.WEIGHTS @ _cubic(every, kappa) ** 2))
 
 
-def warped(x: np.ndarray, kappa: np.ndarray) -> np.ndarray:
-    """Samples (m, n) of a process of variance 1 where a Gaussian one has x, (m, n) or (m, 1), by the same.
-
-    Where κ is negative it is two thirds of that at first: linear dampers that stand for quadratic ones take the rate's
-    std down, too, and the force, as the square of both, is the march's within 3 % in std (see tests).
-    """
-    usual = gaussian.SIZES[:, None]
-    spread = np.sqrt(gaussian.WEIGHTS @ (usual * _factor(kappa, usual**2 - 3)) ** 2)
-    return np.asarray(x * _factor(kappa, x**2 - 3) / spread)
+def _cubic(u: np.ndarray, kappa: np.ndarray) -> np.ndarray:
+    h, kurtosis = _flatter()
+    flat = _inverse(u, np.interp(-kappa, kurtosis, h))
+    tall = (np.sqrt(1 + 1.5 * kappa.clip(min=0.0)) - 1) / 18
+    return np.asarray(np.where(kappa < 0, flat, u * (1 + tall * (u**2 - 3))))
 
 
-def _factor(kappa: np.ndarray, beyond: np.ndarray) -> np.ndarray:
-    """1 + h₄ (u² - 3), or one over it, by u² - 3 (…, n) of a Gaussian process."""
-    factor = 1 + (np.sqrt(1 + 1.5 * np.abs(kappa)) - 1) / 18 * beyond
-    return np.where(kappa < 0, 1 / factor, factor)
+def _inverse(u: np.ndarray, h: np.ndarray) -> np.ndarray:
+    """x of x + h (x³ - 3x) = u, 0 <= h < ⅓."""
+    p = 1 / np.maximum(h, TINY) - 3
+    return np.asarray(2 * np.sqrt(p / 3) * np.sinh(np.arcsinh(1.5 * u * (1 + 3 / p) * np.sqrt(3 / p)) / 3))
+
+
+@lru_cache(maxsize=1)
+def _flatter() -> tuple[np.ndarray, np.ndarray]:
+    """h, and -κ of the x that it makes, which grows with that."""
+    h = np.linspace(0.0, 0.33, FLATTER)
+    x = _inverse(gaussian.SIZES[:, None], h)
+    kurtosis = 3 - (gaussian.WEIGHTS @ x**4) / (gaussian.WEIGHTS @ x**2) ** 2
+    return shared(h), shared(kurtosis)

@@ -62,9 +62,9 @@ def damping_of_lines(law: JointLaw, length: np.ndarray, *, single: bool) -> np.n
 def rest(law: JointLaw, rms: np.ndarray, samples: np.ndarray) -> np.ndarray:
     """⟨(f - cẏ)²⟩^½ (n,): what the linear damping that takes as much power leaves of the loads f by rate.
 
-    Of rates with rms (n,), as they are distributed: samples (m,) of rms 1.
+    Of rates with rms (n,), as they are distributed: samples (m, n) or (m, 1) of rms 1.
     """
-    rates = samples[:, None] * rms
+    rates = samples * rms
     loads = joint_loads(law, np.zeros(rates.shape), rates)
     f, square = loads.pto + loads.loss, np.sum(rates**2, axis=0)
     c = np.divide(np.sum(f * rates, axis=0), square, out=np.zeros(rms.size), where=square > 0)

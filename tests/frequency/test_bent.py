@@ -1,6 +1,5 @@
 """What bent joints bear and absorb: against long samples of the whole law, and the march."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +11,11 @@ from solver.frequency import bent, gaussian, shape
 from solver.frequency.gaussian import Process
 from solver.multibody.of_axes import joint_loads
 from solver.power_takeoff import PtoEfficiency, PtoTable
+from solver.remarks import pulled
 from solver.run import simulate
 from solver.sea.realization import components, regular
 from tests import awkward
-from tests.frequency.test_linearised import by_lines, cylinder, given, hemisphere, hinged, pair
+from tests.frequency.test_linearised import by_lines, cylinder, given, heaving, hemisphere, hinged, pair
 
 TABLE = PtoTable(velocity=(-2.0, -0.2, 0.2, 2.0), force=(-9e3, -5e3, 5e3, 9e3))
 LAWS = [
@@ -47,7 +47,7 @@ def test_power_is_that_of_the_whole_law(laws):
     power = joint_loads(law, 0 * v, v).pto * v
     for axes in ([0], [1], [0, 1]):
         largest, least, mean, rms, std = bent.absorbed_table(
-            bent.pto_load(law, axes), V[:, axes], Process(omega, 3600.0)
+            bent.pto_load(law, axes), V[:, axes], Process(omega, 3600.0), np.zeros(len(axes))
         )
         exact = power[:, axes].sum(axis=1)
         assert mean == approx(exact.mean(), rel=5e-3)
@@ -77,23 +77,45 @@ def test_force_is_that_of_the_whole_law_with_all_that_is_linear(laws):
 
 @pytest.mark.parametrize("quadratic", [15.0, 60.0, 240.0])
 def test_quadratic_dampers_bear_what_rates_flatter_than_gaussian_ones_make(quadratic):
-    """Std 5 to 10 % above, largest 1.3 to 1.9 times the march's, where rates were taken for Gaussian."""
-    item, h = given(cylinder, {"quadratic_damping": quadratic, "pto_damping": 0.0}, one=False)
+    """Std 5 to 10 % above, largest 1.3 to 1.9 times the march's, where rates were taken for Gaussian; motions 0.5 to
+    3.4, power 1.2 to 7.8 % low, its std up to 17 and its largest up to 105 % high."""
+    item, h = given(cylinder, {"quadratic_damping": quadratic, "pto_damping": 2.0}, one=False)
+    item = replace(item, settings=replace(item.settings, outputs=("pto_force",)))
     seas = [awkward.sea(Hs=0.05, Tp=1.1, band=(3.0, 14.0), seed=seed) for seed in range(4)]
     every = [replace(item, sea=waves) for waves in seas]
-    march, lines = (
-        np.mean([run(each, h).variables["hinge_force"][1][0, 2] for each in every], axis=0)
-        for run in (simulate, by_lines)
+    march, lines = ([run(each, h) for each in every] for run in (simulate, by_lines))
+    borne, motion, power, pto = (
+        [np.mean([r.variables[name][1][0].reshape(-1, 5)[row] for r in runs], axis=0) for runs in (march, lines)]
+        for name, row in (("hinge_force", 2), ("motion", 0), ("absorbed_power", 0), ("pto_force", 0))
     )
-    assert lines[4] == approx(march[4], rel=0.03)
-    assert np.ptp(lines[:2]) == approx(np.ptp(march[:2]), rel=0.12)
+    assert borne[1][4] == approx(borne[0][4], rel=0.03)
+    assert np.ptp(borne[1][:2]) == approx(np.ptp(borne[0][:2]), rel=0.12)
+    assert motion[1][4] == approx(motion[0][4], rel=4e-3)
+    assert power[1][2] == approx(power[0][2], rel=6e-3)
+    assert power[1][4] == approx(power[0][4], rel=0.07)
+    assert power[1][0] == approx(power[0][0], rel=0.1)
+    assert np.ptp(pto[1][:2]) == approx(np.ptp(pto[0][:2]), rel=0.08)
 
 
-@pytest.mark.parametrize(("kappa", "made"), [(-0.6, -0.4), (-0.3, -0.24), (0.0, 0.0), (0.5, 0.5)])
-def test_warped_samples_have_variance_one_and_a_kurtosis(kappa, made):
+@pytest.mark.parametrize("kappa", [-1.4, -0.6, -0.3, -0.01, 0.0, 0.5])
+def test_warped_samples_have_variance_one_and_their_kurtosis(kappa):
     x = shape.warped(gaussian.SIZES[:, None], np.array([kappa]))
     assert gaussian.WEIGHTS @ x**2 == approx(1.0)
-    assert gaussian.WEIGHTS @ x**4 - 3 == approx(made, abs=0.03)
+    assert gaussian.WEIGHTS @ x**4 - 3 == approx(kappa, abs=2e-3 if kappa < 0 else 0.03)
+
+
+def test_dampers_take_what_rates_of_a_shape_give_them():
+    """Quadratic ones (1 + κ/8) of that at a Gaussian rate, friction (1 - κ/24); of linear ones a shape changes nothing,
+    and those that work one way are half as much."""
+    kappa, sigma = np.array([-0.5]), np.array([0.3])
+    mean = np.sqrt(2 / np.pi)
+    for law, usual, share in (
+        ({"quadratic_damping": 7.0}, 2 * mean * 7.0 * sigma, 1 / 8), ({"coulomb": 5.0}, mean * 5.0 / sigma, -1 / 24),
+        ({"coulomb": 5.0, "one_way": 1.0}, mean * 5.0 / sigma / 2, -1 / 24), ({"damping": 3.0}, np.array([3.0]), 0.0),
+    ):  # fmt: skip
+        item = heaving("a", 3.0, **({"pto_damping": 0.0} | law))
+        more = shape.change_of_damping(joint_law((item,)), sigma, kappa).sum(axis=0)
+        assert more == approx(usual * share * kappa, rel=2e-3, abs=1e-9), law
 
 
 def test_linear_laws_have_the_statistics_of_lines():
@@ -106,7 +128,8 @@ def test_linear_laws_have_the_statistics_of_lines():
             usual, rel=1e-3
         )
         power = gaussian.power_table(c, rates, Process(w, 3600.0))
-        assert bent.absorbed_table(load, rates, Process(w, 3600.0)) == approx(power, rel=2e-2, abs=1e-9)
+        table = bent.absorbed_table(load, rates, Process(w, 3600.0), np.zeros(2))
+        assert table == approx(power, rel=2e-2, abs=1e-9)
 
 
 @pytest.mark.parametrize(("build", "law", "limit"), [
@@ -239,16 +262,21 @@ def test_laws_that_bend_ring_an_elastic_platform(law, waves, damage):
     for name in RUNG:
         exact, ours = (np.asarray(record.variables[name][1])[..., 4] for record in (march, told))
         some = exact > 0.05 * exact.max()
-        assert ours[some] == approx(exact[some], rel=0.22 if waves else 0.1), name
+        assert ours[some] == approx(exact[some], rel=0.22 if waves else 0.13), name
     exact, ours = (np.asarray(record.variables["section_moment"][1]) for record in (march, told))
     some = exact[..., 4] > 0.1 * exact[..., 4].max()
     ratio = ((exact[..., 0] - exact[..., 2]) / (ours[..., 0] - ours[..., 2]))[some]
-    if law.get("quadratic_damping"):  # whose largest loads are further from those of Gaussian lines than of friction
-        said = re.search(r"where these are most of them, ([0-9.]+) times", told.attrs["warnings"])
-        assert said is not None and float(said[1]) == approx(ratio.max(), rel=0.25)
+    if law.get("quadratic_damping"):  # by loads that go as |v|v of rates flat as these
+        assert ratio.min() > 0.9 and ratio.max() < 1.45
     exact, ours = (record.variables["damage"][1] for record in (march, told))
     most = exact > 0.2 * exact.max()
     assert np.all((ours > damage[0] * exact)[most] & (ours < damage[1] * exact)[most])
+
+
+def test_extremes_of_steel_that_are_far_from_those_told_are_said():
+    assert not [*pulled(1.05), *pulled(0.95)]
+    for factor in (0.5, 2.0):
+        assert f"{factor:.2g} times" in next(pulled(factor))
 
 
 def test_waves_of_known_phases_do_the_damage_of_their_sum():

@@ -312,7 +312,7 @@ def test_quadratic_damping_of_a_joint_is_the_marchs():
     )
     item = replace(item, sea=replace(item.sea, amplitude=0.1 * item.sea.amplitude))
     exact, table = (r.variables["rotation"][1][0, 4] for r in (simulate(item, h), frequency(item, h)))
-    assert table == approx(exact, rel=0.03)
+    assert table == approx(exact, rel=5e-3)
 
 
 @pytest.mark.parametrize("scene", ["model_scale", "duck"])
@@ -324,8 +324,9 @@ def test_a_damper_that_is_all_that_holds_agrees_with_its_own_result(scene, quadr
     bent = replace(item, floats=(replace(body, quadratic_damping=quadratic * size),))
     lines = respond(linear(bent, method="frequency"), h)
     rate = np.sqrt(0.5 * np.sum(np.abs(lines.omega[:, None] * lines.Z) ** 2, axis=0))[0]
-    alike = replace(item, floats=(replace(body, damping=quadratic * size * np.sqrt(8 / np.pi) * rate),))
-    assert approx(respond(linear(alike, method="frequency"), h).Z, rel=1e-4) == lines.Z
+    damping = quadratic * size * np.sqrt(8 / np.pi) * rate * (1 + lines.excess[0] / 8)
+    alike = replace(item, floats=(replace(body, damping=damping),))
+    assert approx(respond(linear(alike, method="frequency"), h).Z, rel=3e-3) == lines.Z
     assert lines.rounds < 12
 
 
@@ -336,7 +337,8 @@ def test_what_a_mesh_does_is_what_it_does_to_the_damped_motion():
     bent = replace(item, floats=(replace(body, quadratic_damping=quadratic),))
     lines = respond(linear(bent, method="frequency"), h)
     rate = np.sqrt(0.5 * np.sum(np.abs(lines.omega * lines.Z[:, 0]) ** 2))
-    alike = replace(item, floats=(replace(body, damping=quadratic * np.sqrt(8 / np.pi) * rate),))
+    damping = quadratic * np.sqrt(8 / np.pi) * rate * (1 + lines.excess[0] / 8)
+    alike = replace(item, floats=(replace(body, damping=damping),))
     told, exact, without = (frequency(one, h).attrs["mesh_effect"] for one in (bent, alike, item))
     assert told == approx(exact, rel=1e-3)
     assert exact == approx(simulate(linear(alike), h).attrs["mesh_effect"], rel=1e-6)

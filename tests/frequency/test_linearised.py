@@ -1,6 +1,5 @@
 """How far a linearised power take-off is from the march, as each record tells, and where friction holds an axis."""
 
-import re
 from dataclasses import replace
 from functools import cache
 
@@ -111,39 +110,40 @@ def test_what_linear_damping_leaves_is_told_of_a_model(law):
 
 
 def compare(item, h):
-    """Of every mean, rms and std that is not next to nothing beside others of its kind."""
+    """Of every mean, rms and std that is not next to nothing beside others of its kind; by several records where there
+    is less to tell than one of them scatters."""
     item = replace(item, settings=replace(item.settings, outputs=("pto_force",)))
-    march, lines = simulate(item, h), by_lines(item, h)
+    marches, lines = [simulate(item, h)], by_lines(item, h)
+    if item.sea.omega.size > 1 and item.floats[0].per_axis("quadratic_damping").any():
+        for seed in range(4):
+            turned = np.exp(2j * np.pi * np.random.default_rng(seed).random(item.sea.omega.size))
+            sea_too = replace(item.sea, amplitude=item.sea.amplitude * turned)
+            marches.append(simulate(replace(item, sea=sea_too), h))
     true = max(
-        error(*(record.variables[name][1] for record in (march, lines))) for name in JUDGED if name in march.variables
-    )
+        error(np.mean([march.variables[name][1] for march in marches], axis=0), lines.variables[name][1])
+        for name in JUDGED if name in lines.variables
+    )  # fmt: skip
     told = lines.attrs["linearisation_effect"]
     assert true > 2e-3 and 1 / 3 < told / true < 3, (true, told)
     assert lines.attrs["estimated_error"] >= told
 
 
-@pytest.mark.parametrize(("law", "expected"), [
-    ({"pto_damping": 2.0, "quadratic_damping": 60.0}, 0.8), ({"pto_damping": 20.0, "force_limit": 0.8}, 1.3),
-    (damped(20.0), None), ({"pto_damping": 20.0, "force_limit": 2e-3}, None),
+@pytest.mark.parametrize("law", [
+    {"pto_damping": 2.0, "quadratic_damping": 60.0}, {"pto_damping": 20.0, "force_limit": 0.8}, damped(20.0),
 ])  # fmt: skip
-def test_extremes_that_are_not_a_gaussians_are_told(law, expected):
-    """Kurtosis within 0.4 of the march's, and by that the largest motion of a long record within 15 %."""
+def test_extremes_are_of_rates_and_motions_of_the_shape_that_loads_make(law):
+    """Kurtosis within 0.3 of the march's, and by that the largest motion of long records within 20 %: those of Gaussian
+    ones are 28 % above the first."""
     item, h = given(cylinder, law, one=False)
     item = replace(item, settings=replace(item.settings, duration=3000.0, keep_series=True))
-    lines = by_lines(item, h, keep_series=False)
-    note = re.search("makes heave unlike the linear model .* expect ([0-9.]+) times", lines.attrs.get("warnings", ""))
-    if expected is None:
-        assert note is None
-        return
-    march = simulate(item, h)
-    factor = float(note[1])
+    march, lines = simulate(item, h), by_lines(item, h, keep_series=False)
     y, t = march.series["motion"][1][:, 0, 0], march.series["time"][1]
-    rate = np.gradient(y, t)
-    kurtosis = np.mean(rate**4) / np.mean(rate**2) ** 2 - 3
-    settings = replace(item.settings, method="frequency", keep_series=False)
-    assert respond(replace(item, settings=settings), h).excess[0] == approx(kurtosis, abs=0.4)
-    most, linear = (np.abs(x.variables["motion"][1][0, 0, :2]).mean() for x in (march, lines))
-    assert most / linear == approx(factor, rel=0.15) and factor == approx(expected, rel=0.1)
+    known = respond(replace(item, settings=replace(item.settings, method="frequency", keep_series=False)), h).excess
+    for x, kappa in zip((np.gradient(y, t), y), known[:, 0], strict=True):
+        assert np.mean(x**4) / np.mean(x**2) ** 2 - 3 == approx(kappa, abs=0.3)
+    most, told = (np.abs(x.variables["motion"][1][0, 0, :2]).mean() for x in (march, lines))
+    assert told == approx(most, rel=0.2)
+    assert known.any() == (law != damped(20.0))
 
 
 @pytest.mark.parametrize(("law", "waves"), [
@@ -183,12 +183,12 @@ def test_the_rest_of_a_load_is_what_no_damping_takes():
     a, b = item.floats
     law = joint_law((replace(a, coulomb=1e4, damping=5e3), b, replace(a, name="c", quadratic_damping=7e3)))
     std = np.array([0.3, 0.2, 0.5])
-    friction, none, drag = rest(law, std, GAUSSIAN)
+    friction, none, drag = rest(law, std, GAUSSIAN[:, None])
     assert friction == approx(1e4 * np.sqrt(1 - 2 / np.pi), rel=2e-3) and none < 1e-9 * 2e4
     assert drag == approx(7e3 * np.sqrt(3 - 8 / np.pi) * 0.25, rel=3e-2)  # tails
-    harmonic = np.sqrt(2) * np.sin(2 * np.pi * EVEN)
+    harmonic = np.sqrt(2) * np.sin(2 * np.pi * EVEN)[:, None]
     assert rest(law, std, harmonic)[0] == approx(1e4 * np.sqrt(1 - 8 / np.pi**2), rel=2e-3)
-    assert rest(law, np.zeros(3), GAUSSIAN) == approx(np.zeros(3))
+    assert rest(law, np.zeros(3), GAUSSIAN[:, None]) == approx(np.zeros(3))
 
 
 @pytest.mark.parametrize(("one", "coulomb", "slips"), [
@@ -267,6 +267,6 @@ def test_the_third_cumulant_of_a_load_is_that_of_a_gaussian_rate(law, third):
     V = np.zeros((1, omega.size), complex)
     V[0, :40] = np.sqrt(2 / 40)  # of which three add to no more than the highest
     item = heaving("a", 3.0, **({"pto_damping": 0.0} | law))
-    kappa = excess(joint_law((item,)), omega, V, np.full((1, omega.size), H))
+    kappa = excess(joint_law((item,)), omega, V, np.full((1, omega.size), H))[0]
     expected = -24 * third * H
     assert kappa == approx(expected / (1 - expected / 2) if expected < 0 else expected, rel=2e-3, abs=1e-9)
