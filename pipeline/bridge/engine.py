@@ -88,8 +88,8 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
         each = dict(zip(problem.headings, bem.united(problem, shares), strict=True))
         found = [replace(each[geometry.heading], waves_to=waves_to(geometry)) for geometry in geometries]
     radiating = {one.waves_to: one for one in reversed(found)}  # headings share what radiates
-    rings = {to: (one.ringing, one.shifted.ringing) for to, one in radiating.items()}
-    found = [replace(one, rings=rings[one.waves_to]) for one in found]
+    # Each heading's own, which its forces judge.
+    found = [replace(one, rings=(one.ringing, one.shifted.ringing)) for one in found]
     if not first.memory:
         return found
     hulls = tuple(hull(body.hull) for body in first.bodies)

@@ -18,7 +18,7 @@ from solver.hydrodynamics.bem import incident
 from solver.hydrodynamics.bem.far_field import FarField, Waves
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.hydrodynamics.radiation.passivity import radiates
-from solver.hydrodynamics.radiation.rational import fewest_poles, fitted, mixed
+from solver.hydrodynamics.radiation.rational import ever_more_poles, fitted, mixed
 from solver.keys import Bits, shared
 from solver.sea.dispersion import wavenumbers
 
@@ -31,7 +31,9 @@ STANDS_OUT = "stands out"  # setting with what of a file is unlike frequencies b
 EACH_ALONE = "each alone"  # what the settings say of bodies that do not interact
 ROUGH = 3  # order of the divided differences by which a curve is rough
 RESOLVED = 1e-3  # of the largest singular value: poles too broad to be told from a smooth rest are left to that
-CLOSE = 1e-3  # of each motion's largest impedance: what the poles of what rings may leave of it
+CLOSE = 1e-3  # of each motion's largest impedance: what the poles of what rings need not meet better
+HELD = 4  # of so many frequencies one is left out, and judges the poles
+HOPELESS = 100.0  # times the least square that is missed: more poles are not sought
 CURVES = 16  # sets of coefficients whose curves a process keeps
 SEAS = 32  # seas and coefficients at whose frequencies it keeps them
 
@@ -99,7 +101,7 @@ class Hydrodynamics:
             return replace(self, rings=(self.rings[1], self.rings[1]), **moved)
         # With as many poles: rough errors would be met by ever more of them, and rounding choose how many.
         shifted, pairs = replace(self, **moved), int(np.where(self._poles.imag > 0, 2, 1).sum()) // 2
-        omega, samples = shifted._heard
+        omega, samples, _ = shifted._heard
         beta = fitted(omega, mixed(samples, CLOSE), pairs) if pairs else self._poles
         return replace(shifted, rings=(beta[beta.imag > 0],) * 2)
 
@@ -143,23 +145,45 @@ class Hydrodynamics:
 
     @cached_property
     def _poles(self) -> np.ndarray:
-        """Those, and real ones beside them."""
-        omega, samples = self._heard
+        """Those, and real ones beside them: so many that curves with them miss what they do not know by least.
+
+        Fitted to noise, or to too few frequencies, poles are made up, and damp next to nothing: the closer they meet
+        what is known, the farther off is what lies between. What rings is there with one frequency less, and in forces,
+        which poles are not fitted to.
+        """
+        omega, impedance, force = self._heard
+        best, least = np.zeros(0, complex), np.inf
+        if not impedance.size:
+            return best
+        judges = [kind for kind in (mixed(impedance.conj(), CLOSE), force) if kind.any()]
+        values, firsts = np.hstack(judges), np.cumsum([0, *(kind.shape[1] for kind in judges[:-1])])
         # Fewer than there are differences to tell how much of each a curve has.
-        most = 2 * (omega.size - ROUGH) // 3 if samples.size else 0
-        turns = np.ptp(self.turned[self.resolved]) / (2 * np.pi)
-        return fewest_poles(omega, samples, CLOSE, most, turns)
+        most, turns = 2 * (omega.size - ROUGH) // 3, np.ptp(self.turned[self.resolved]) / (2 * np.pi)
+        for beta in ever_more_poles(omega, impedance, CLOSE, most, turns):
+            # Of each kind beside its own with others, whatever their units.
+            missed = float(np.prod(np.add.reduceat(_missed(omega, values, beta[beta.imag > 0]), firsts)))
+            if missed < least:
+                best, least = beta, missed
+            elif missed > HOPELESS * least:
+                break
+        return best
 
     @property
-    def _heard(self) -> tuple[np.ndarray, np.ndarray]:
-        """ω (nw',) that are resolved, and the impedance (nw', m) of what radiates there, 1 on the diagonal at most."""
+    def _heard(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """ω (nw',) that are resolved, and the impedance (nw', m) of what radiates there, 1 on the diagonal at most.
+
+        Diffraction (nw', n') as well, without the phase of the wave's arrival, 1 at most; of motions that radiate as
+        much, so much is their forces' share in it.
+        """
         transfer = self.radiation_damping + 1j * self.omega[:, None, None] * (self.added_mass - self.added_mass_inf)
         lengths = np.repeat(np.cbrt(self.displaced_mass / self.density), len(self.dofs))
         lengths[np.tile([DOFS.index(dof) < 3 for dof in self.dofs], len(self.centres))] = 1.0
         size = np.sqrt(np.abs(np.einsum("wii->wi", transfer)).max(axis=0))
         heard = np.flatnonzero(radiates(size**2, lengths, self.body))
         scaled = transfer[self.resolved][:, heard[:, None], heard] / np.outer(size[heard], size[heard])
-        return self.omega[self.resolved], scaled.reshape(len(scaled), -1)
+        force = (self.diffraction * self.arrival(self.omega).conj())[self.resolved][:, heard] / size[heard]
+        force /= max(np.abs(force).max(initial=0.0), np.finfo(float).tiny)
+        return self.omega[self.resolved], scaled.reshape(len(scaled), -1), force
 
     @property
     def interacting(self) -> bool:
@@ -207,27 +231,44 @@ class Hydrodynamics:
         Water between bodies rings in bands narrower than frequencies are apart. Of each of its poles β a curve has as
         much, Re β/(-iω - β*), as leaves the smoothest rest, by third divided differences where they are resolved.
         """
-
-        def ringing(omega: np.ndarray) -> np.ndarray:
-            return self.ringing.real / (-1j * np.asarray(omega)[:, None] - self.ringing.conj())
-
-        known = self.omega[self.resolved]
-
-        def rough(values: np.ndarray) -> np.ndarray:
-            rest = values[self.resolved]
-            for n in range(1, ROUGH + 1):
-                rest = np.diff(rest, axis=0) / (known[n:] - known[:-n])[:, None]
-            return rest
-
-        at, flat = ringing(self.omega), values.reshape(len(values), -1)
-        share = np.linalg.lstsq(rough(at), rough(flat), rcond=RESOLVED)[0]
-        rest = CubicSpline(self.omega, flat - at @ share)
-        return lambda omega: (rest(omega) + ringing(omega) @ share).reshape(-1, *values.shape[1:])
+        through = _smoothest(self.omega, values.reshape(len(values), -1), self.ringing, self.resolved)
+        return lambda omega: through(omega).reshape(-1, *values.shape[1:])
 
     def arrival(self, omega: np.ndarray) -> np.ndarray:
         """exp(ik(x_b cosβ + y_b sinβ)) for each degree of freedom, (nw, n)."""
         k = wavenumbers(omega, self.depth, self.gravity)
         return incident.arrival(k, self.heading, self.centres, len(self.dofs))
+
+
+def _smoothest(omega: np.ndarray, values: np.ndarray, beta: np.ndarray, resolved: np.ndarray | slice) -> Curve:
+    """Through values (nw, m) at ω (nw,) with poles β (p,), as Hydrodynamics.curve has it."""
+    known = omega[resolved]
+
+    def ringing(omega: np.ndarray) -> np.ndarray:
+        return beta.real / (-1j * np.asarray(omega)[:, None] - beta.conj())
+
+    def rough(values: np.ndarray) -> np.ndarray:
+        rest = values[resolved]
+        for n in range(1, ROUGH + 1):
+            rest = np.diff(rest, axis=0) / (known[n:] - known[:-n])[:, None]
+        return rest
+
+    at = ringing(omega)
+    share = np.linalg.lstsq(rough(at), rough(values), rcond=RESOLVED)[0]
+    rest = CubicSpline(omega, values - at @ share)
+    return lambda omega: rest(omega) + ringing(omega) @ share
+
+
+def _missed(omega: np.ndarray, values: np.ndarray, beta: np.ndarray) -> np.ndarray:
+    """Squares (m,) of what curves with poles β miss of values (nw, m), each through all but every HELD-th."""
+    missed = np.zeros(values.shape[1])
+    for first in range(1, HELD + 1):
+        out = np.arange(first, len(omega) - 1, HELD)  # both ends bear curves
+        rest = np.setdiff1d(np.arange(len(omega)), out)
+        if out.size:
+            curve = _smoothest(omega[rest], values[rest], beta, slice(None))
+            missed += (np.abs(curve(omega[out]) - values[out]) ** 2).sum(axis=0)
+    return missed
 
 
 class _Values(NamedTuple):

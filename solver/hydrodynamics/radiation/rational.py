@@ -4,6 +4,8 @@ Poles are stored once a conjugate pair, the one with positive imaginary part, or
 and Semlyen (1999) and Gustavsen (2006); the per-entry elimination is Deschrijver et al. (2008).
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 FASTEST = 10  # largest modulus of a pole, in units of the highest frequency
@@ -98,24 +100,25 @@ def fitted(omega: np.ndarray, samples: np.ndarray, pairs: int) -> np.ndarray:
     return poles
 
 
-def fewest_poles(omega: np.ndarray, samples: np.ndarray, goal: float, most: int, turns: float = 0.0) -> np.ndarray:
-    """Poles, `most` pairs at most, with which samples (nw, m) at s = iω are met within the goal, but for a share of iω.
+def ever_more_poles(
+    omega: np.ndarray, samples: np.ndarray, goal: float, most: int, turns: float = 0.0
+) -> Iterator[np.ndarray]:
+    """None, and then poles by steps of a quarter more, `most` pairs at most: until samples (nw, m) at s = iω are met
+    within the goal, but for a share of iω.
 
-    As few as that takes, by steps of a quarter more, or those that come nearest. What turns so often from the first
-    frequency to the last takes a pole for each turn; fewer are tried, up to SMOOTH, for it may be too small to count.
+    What turns so often from the first frequency to the last takes a pole for each turn; fewer are tried, up to SMOOTH,
+    for it may be too small to count.
     """
-    fewer, target, nearest = mixed(samples, goal), _stacked(samples), np.inf
-    best, pairs = np.zeros(0, complex), FEWEST
-    while pairs <= most and nearest > goal:
+    yield np.zeros(0, complex)
+    fewer, target, misfit, pairs = mixed(samples, goal), _stacked(samples), np.inf, FEWEST
+    while pairs <= most and misfit > goal:
         poles = fitted(omega, fewer, pairs)
         columns = _stacked(np.column_stack([basis(poles, omega), 1j * omega]))
         misfit = float(np.abs(columns @ np.linalg.lstsq(columns, target, rcond=None)[0] - target).max())
-        if misfit < nearest:
-            best, nearest = poles, misfit
+        yield poles
         pairs += max(1, pairs // 4)
         while SMOOTH < pairs < turns:
             pairs += pairs // 4
-    return best
 
 
 def _stacked(rows: np.ndarray) -> np.ndarray:

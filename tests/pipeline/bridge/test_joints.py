@@ -523,14 +523,17 @@ def test_the_memory_is_of_the_motions_that_a_float_can_have(study_with, monkeypa
 
 
 def test_waves_of_other_periods_share_what_radiates(study_with, monkeypatch):
-    """Solved at the same frequencies; the memory, which is sought up to the waves', is of each."""
+    """Solved at the same frequencies; the memory, which is sought up to the waves', is of each.
+
+    What rings is of each heading, too, whichever others there are: its forces judge that.
+    """
     free = geometry_of(task(study_with(FREE)).parameters)
     slow, fast, faster = (free.model_copy(update={"band": band}) for band in ((1.0, 2.0), (2.0, 4.0), (4.0, 60.0)))
     assert slow.key != fast.key and slow.radiating == fast.radiating != faster.radiating
     fits = unsolved(monkeypatch)
     known = engine._known([slow, fast, slow.model_copy(update={"heading": 0.5})], [None])
     assert [k.waves_to for k in known] == [2.0, 4.0, 2.0]
-    assert [k.rings for k in known] == [("2", "shifted 2"), ("4", "shifted 4"), ("2", "shifted 2")]
+    assert [k.rings for k in known] == [(x, f"shifted {x}") for x in ("2 towards 0", "4 towards 0", "2 towards 0.5")]
     assert [(h.waves_to, h.heading) for h, _ in fits] == [(2.0, slow.heading), (4.0, slow.heading), (2.0, slow.heading)]
 
 
@@ -548,7 +551,7 @@ class Unsolved:
 
     @property
     def ringing(self):
-        return f"{self.added}{self.waves_to:g}"
+        return f"{self.added}{self.waves_to:g} towards {self.heading:g}"
 
     @property
     def shifted(self):
