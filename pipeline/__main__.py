@@ -15,11 +15,13 @@ def main() -> None:
         with environment.importing():
             from pipeline.cli import cli
 
+        interrupt.unwind()
         cli.main()
-    except interrupt.Interrupted:
-        sys.exit(interrupt.STATUS)
     except PermissionError as error:
         sys.exit(f"{error.filename}: {error.strerror}")
+    finally:
+        if interrupt.asked():  # whatever has become of it on its way here
+            sys.exit(interrupt.STATUS)
 
 
 if __name__ == "__main__":

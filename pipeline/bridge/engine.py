@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pipeline import environment
+from pipeline import environment, interrupt
 from pipeline.bridge.geometry import Geometry, bem_problem, geometry_of, given_hydrodynamics, require_solvable, waves_to
 from pipeline.bridge.hulls import hull, offset
 from pipeline.results.packs import Made, Row, packed
@@ -275,6 +275,7 @@ def _attempt(work: Callable[[], _Made]) -> Outcome:
         try:
             made = work()
         except Exception as error:
+            interrupt.check()  # of which it may have come
             made = _Made(Failure.of(error))
     seconds = time.perf_counter() - start
     log = tuple(f"{w.category.__name__}: {w.message}" for w in caught)

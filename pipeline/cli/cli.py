@@ -14,13 +14,12 @@ from typing import Annotated
 
 import typer
 
-from pipeline import environment
+from pipeline import environment, interrupt
 from pipeline.bridge.geometry import BEM_VERSION
 from pipeline.bridge.loading import load
 from pipeline.cli import actions, starters
 from pipeline.cli.console import DONE, FAILED, Tally, finish, looked, say, store_of
 from pipeline.cli.starters import Kind
-from pipeline.interrupt import KEPT
 from pipeline.results.status import read_status
 from pipeline.results.store import Store, leftovers, remove
 from pipeline.study.reading import COEFFICIENTS, StudyError
@@ -73,7 +72,7 @@ def main() -> None:
         sys.exit(FAILED)
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        goes_on = f"; {KEPT} once that is mended" if sys.argv[1:2] in (["run"], ["rerun"]) else ""
+        goes_on = f"; {interrupt.KEPT} once that is mended" if sys.argv[1:2] in (["run"], ["rerun"]) else ""
         say(f"{what}{goes_on}", err)
         sys.exit(FAILED)
 
@@ -167,6 +166,7 @@ def status(
             say(last := text)
         if not watch or not (tally.counts["missing"] or tally.counts["damaged"]):
             raise typer.Exit(tally.code)
+        interrupt.check()
         time.sleep(every)
 
 

@@ -22,7 +22,7 @@ from enum import Enum, auto
 from queue import Empty, SimpleQueue
 from typing import Any, Protocol
 
-from pipeline import environment
+from pipeline import environment, interrupt
 from pipeline.running.cluster import own_cluster, start_fork_server
 from pipeline.running.place import Place, security_of
 
@@ -85,6 +85,7 @@ class Here:
     def finished(self) -> Iterator[tuple[Hashable, list[Any] | Lost]]:
         """Run what is queued, in order."""
         while self._queue:
+            interrupt.check()
             key, function, args = self._queue.popleft()
             yield key, function(*args)
 
@@ -184,6 +185,7 @@ class Dask:
         """The next piece of work that has come to an end, or is over its time; meanwhile, an eye on the cluster."""
         silent = False
         while True:
+            interrupt.check()
             if not self._hear() and not self._here:
                 self.width = self._threads()
                 if not self._client.nthreads() and not silent:
