@@ -88,8 +88,10 @@ def named(study: StudyFile) -> Iterator[InputError]:
         yield InputError("axes.hinge_spacing", list(axes.hinge_spacing), "needs hinges at two different x")
     if axes.pto_damping and not study.floats:
         yield InputError("axes.pto_damping", list(axes.pto_damping), "needs [[floats]]")
-    elif axes.pto_damping and (several := [f.name for f in study.floats if len(f.motion) > 1]):
-        limit = f"needs floats with a single axis, and {several[0]} has several: give its own list"
+    # A motion that names an axis twice is refused for that.
+    elif axes.pto_damping and (several := [f.name for f in study.floats if len(f.motion) == len({*f.motion}) > 1]):
+        path = f'"floats.{several[0]}.pto_damping"'
+        limit = f"needs floats with a single axis, and {several[0]} has several: vary {path} by lists instead"
         yield InputError("axes.pto_damping", list(axes.pto_damping), limit)
 
 

@@ -58,7 +58,8 @@ def _attach(value: Any, info: ValidationInfo) -> Any:
     path = (info.context or {}).get("folder", Path()) / value
     try:
         if not path.is_file():
-            raise PydanticCustomError("file", "{limit}", {"limit": f"no such file: {path}"})
+            limit = "is a folder" if path.is_dir() else "no such file"
+            raise PydanticCustomError("file", "{limit}", {"limit": f"{limit}: {path}"})
         if (size := path.stat().st_size) > LARGEST:
             limit = f"must be at most {LARGEST / 1e6:g} MB, is {size / 1e6:.0f} MB"
             raise PydanticCustomError("file", "{limit}", {"limit": limit})

@@ -166,7 +166,9 @@ def _depth(tables: Any) -> int:
 
 
 def missing_file(path: Path) -> str:
-    """No such file, and those that there are with the nearest names."""
+    """A folder; or no such file, and those that there are with the nearest names."""
+    if path.is_dir():
+        return "is a folder"
     folder = path.parent
     there = sorted(p.name for p in folder.glob("*.toml")) if folder.is_dir() else []
     near = difflib.get_close_matches(path.name, there, n=NEIGHBOURS, cutoff=0.0)

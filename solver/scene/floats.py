@@ -128,7 +128,8 @@ class Float:
             yield InputError(f"{key}.axis", self.axis, "must not be zero")
         if len(set(self.motion)) < len(self.motion) or set(self.motion) - {"hinge", *DOFS}:
             yield InputError(f"{key}.motion", self.motion, f"must name each axis once, of hinge, {', '.join(DOFS)}")
-        elif "hinge" in self.motion and any(self.axis):
+            return  # nobody knows how many axes are meant
+        if "hinge" in self.motion and any(self.axis):
             turns = [self.direction(name) for name in self.motion if name not in DOFS[:3]]
             if len(turns) > 1 and np.linalg.matrix_rank(turns) < len(turns):
                 yield InputError(

@@ -146,6 +146,7 @@ TABLE = [
     (("[water]", 'base = ""\n[water]'), {}, "base = '': must be the path of a study file"),
     (("[water]", f'base = "{"x" * 5000}"\n[water]'), {}, "cannot be read: File name too long"),
     (("[water]", 'base = "/dev/zero"\n[water]'), {}, "base = '/dev/zero': no such file"),
+    (("[water]", 'base = "."\n[water]'), {}, "base = '.': is a folder"),
     (("[water]", 'base = "loop"\n[water]'), {}, "base = 'loop': no such file"),
     (
         ("[water]", 'base = "0.toml"\n[water]'),

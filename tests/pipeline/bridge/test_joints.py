@@ -132,9 +132,18 @@ def test_an_axis_of_pto_damping_is_for_floats_with_one_axis(study_with, tmp_path
     one = study_with(HINGED + "pto_damping = 5.0\n[axes]\npto_damping = [1.0, 2.0]")
     assert [t.parameters.floats[0].pto_damping for t in expand(one.content)] == [1.0, 2.0]
     assert "pto_damping" in dimensions(one.content)
-    with pytest.raises(StudyError, match=r"axes.pto_damping = .*: needs floats with a single axis, and only has sev"):
+    single = r'axes.pto_damping = .*: needs floats with a single axis, and only has several: vary "floats.only.pto_damp'
+    with pytest.raises(StudyError, match=single):
         study_with(FREE + "[axes]\npto_damping = [1.0, 2.0]")
     assert "pto_damping" not in task(study_with(FREE + "pto_damping = [1.0, 2.0, 3.0]")).labels
+
+
+@pytest.mark.parametrize("also", ["pto_damping = 5.0", "[axes]\npto_damping = [1.0, 2.0]"])
+def test_a_motion_that_names_an_axis_twice_is_refused_for_that_alone(study_with, also):
+    with pytest.raises(StudyError) as told:
+        study_with(FREE.replace('"surge"', '"heave"') + also)
+    (problem,) = told.value.problems
+    assert "floats.only.motion = " in problem and "must name each axis once" in problem
 
 
 def test_a_float_out_of_equilibrium_is_told_of_and_not_refused(study_with):

@@ -42,7 +42,7 @@ def test_the_content_travels_packed_and_needs_no_file(tmp_path):
     ("name", "message"),
     [
         ("no.csv", "no such file: "),
-        (".", "no such file: "),
+        (".", "is a folder: "),
         ("/dev/zero", "no such file: "),
         ("x" * 5000, "cannot be read: "),
         ("", "must be the path"),
