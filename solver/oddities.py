@@ -22,6 +22,7 @@ GYRATION = 0.1, 10.0  # of the edge of a cube as large as a hull, and of its siz
 FAR = 10.0  # hulls' sizes, from their reference point: no centre of gravity is as far
 FEW = 10.0  # mean periods: from one record of so many to the next the std of a random sea scatters by a fifth
 PARTLY = 0.01  # of a std: what a part of a wave's period may change of a mean
+LONG = 2.0  # hulls' sizes, from their reference point: none is longer
 AWAY = 2.0  # hulls' sizes, from their reference point: no fairlead is as far
 RAISED = 0.01  # of the depth, by which a clamped foot, or an anchor on which a line lies, may be above the seabed
 STEEPEST = (8.0, 15.0), (1 / 15, 1 / 25)  # 2π Hs/(g Tp²) that seas have by Tp [s], DNV-RP-C205
@@ -132,15 +133,17 @@ def _of_units(item: Float) -> Iterator[str]:
                 f"floats.{item.name}.lines: the fairlead of line {number} lies {away:.4g} m from the reference point of"
                 f" a hull of {item.hull.size:.4g} m: fairleads are from there, not from the origin"
             )
-    if item.end_stops is None:
-        return
-    low, high = (np.abs(item.per_axis(f"end_stops.{end}")) for end in ("lower", "upper"))
-    for axis, farthest in zip(item.motion, np.maximum(low, high), strict=True):
-        if not limits.slides(axis) and farthest > np.pi:
-            yield (
-                f"floats.{item.name}.end_stops: {farthest:g} rad of {axis} is more than half a turn, where no float"
-                " comes: are they in degrees?"
-            )
+    start, low, high = (np.abs(item.per_axis(name)) for name in ("offset", "end_stops.lower", "end_stops.upper"))
+    for axis, at, farthest in zip(item.motion, start, np.maximum(low, high), strict=True):
+        if limits.slides(axis) and at > LONG * item.hull.size:
+            where = f"floats.{item.name}.offset: {at:.4g} m of {axis} is further than its hull is long"
+            yield f"{where}, which reaches {item.hull.size:.4g} m: is it in other units?"
+        for name, far in (("offset", at), ("end_stops", farthest)):
+            if not limits.slides(axis) and far > np.pi:
+                yield (
+                    f"floats.{item.name}.{name}: {far:g} rad of {axis} is more than half a turn, where no float"
+                    f" comes: {'is it' if name == 'offset' else 'are they'} in degrees?"
+                )
 
 
 def _of_inertia(item: Float, water: Water) -> Iterator[str]:

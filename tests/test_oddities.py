@@ -105,6 +105,34 @@ def test_an_axis_that_no_joint_has_is_told():
         assert any("axis: is of a hinge" in text for text in warnings(replace(item, floats=(each,)))) is told
 
 
+@pytest.mark.parametrize(
+    ("offset", "told"),
+    [
+        ((1.0, 1.99, 3.1), []),
+        ((-2.01, 0.0, 0.0), ["m of surge is further"]),
+        ((0.0, 20.0, 0.0), ["m of heave is further"]),
+        ((0.0, 0.0, -90.0), ["rad of yaw is more than half a turn, where no float comes: is it in degrees?"]),
+    ],
+)
+def test_a_float_that_is_let_go_as_no_float_is_is_told(offset, told):
+    """Further than its hull is long, or round by more than half a turn; so far it is let go all the same."""
+    item, _ = soft_mooring()
+    (buoy,) = item.floats
+    size = buoy.hull.size
+    away = replace(buoy, motion=("surge", "heave", "yaw"), offset=(size * offset[0], size * offset[1], offset[2]))
+    texts = [text for text in warnings(replace(item, floats=(away,))) if "offset" in text]
+    assert len(texts) == len(told) and all(part in text for part, text in zip(told, texts, strict=True))
+
+
+def test_end_stops_that_no_float_reaches_are_told():
+    item, _ = soft_mooring()
+    for upper, told in ((3.1, False), (45.0, True)):
+        stops = EndStops(lower=(0.0, -1.0), upper=(99.0, upper), stiffness=(1e5, 1e5))
+        stopped = replace(item.floats[0], motion=("heave", "yaw"), stiffness=0.0, damping=0.0, end_stops=stops)
+        texts = [text for text in warnings(replace(item, floats=(stopped,))) if "are they in degrees" in text]
+        assert len(texts) == told
+
+
 @pytest.mark.parametrize(("stiffness", "told_so"), [(400.0, False), (100.0, True), (0.0, True)])
 def test_a_float_that_waves_push_out_of_its_series_is_told_before_it_runs(stiffness, told_so):
     """In this sea, not across the waves or by linear pressure; in one 20 times lower only what nothing holds."""

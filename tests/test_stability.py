@@ -179,11 +179,36 @@ def test_a_float_that_reaches_through_too_many_waves_is_refused(buan, coefficien
     front, rear = buan.floats()
     floats = (replace(front, arm=(-40.0, 0, -2.6)), rear)
     known = replace(coefficients, centres=np.array([f.centre for f in floats]))
-    feels = r"around a float that feels them by 0\.[2-9]\d* of the largest wave force per amplitude, > 0\.1: end the"
-    with pytest.raises(InputError, match=rf"sea = waves down to 5\.\d+ m: too short for a series 32\.\d m {feels}"):
+    feels = r"around a float that feels them by 0\.[2-9]\d* of the largest wave force per amplitude, > 0\.1: "
+    of = r"floats\.front\.arm = \(-40\.0, 0, -2\.6\): waves down to 5\.\d+ m are too short for a series 32\.\d m"
+    with pytest.raises(InputError, match=f"{of} {feels}bring it down, or end the band lower"):
         prepare(buan.scene("fixed", floats=floats), known)
     # Linear pressure is that at rest, wherever the float is.
     assert prepare(buan.scene("fixed", floats=floats, froude_krylov="linear"), known).terms == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("motion", "changes", "key"),
+    [
+        (("surge", "heave"), {"offset": (60.0, 0.0)}, r"floats\.ball\.offset = \(60\.0, 0\.0\): waves down to"),
+        (("surge", "heave"), {"offset": (0.0, -60.0)}, r"floats\.ball\.offset = \(0\.0, -60\.0\): waves down to"),
+        (("sway", "pitch"), {"offset": (60.0, 0.0)}, "sea = waves down to"),
+        (("heave",), {"arm": (60.0, 0.0, 0.0), "hinge": (-60.0, 0.0, 0.0)}, "sea = waves down to"),
+    ],
+)
+def test_what_takes_a_float_through_too_many_waves_is_named(motion, changes, key):
+    """Along them or up and down, by where it is let go; across them, or on an arm that does not turn, they are short
+    already beside the hull."""
+    ball = Revolution.sphere(radius=10.0, draft=10.0)
+    item = Float(
+        name="ball", hull=ball, mass=RHO * ball.volume, inertia=(9e7,) * 3, cog=(0, 0, -2.0), motion=motion,
+        **({"hinge": (0, 0, 0)} | changes),
+    )  # fmt: skip
+    waves = Realization(omega=np.array([0.9, 6.5]), amplitude=np.array([0.4, 0.1 + 0.1j]))
+    whole = awkward_scene([item], depth=400.0, waves=waves)
+    settings = replace(whole.settings, radiation=False, diffraction=False)
+    with pytest.raises(InputError, match=f"^{key}"):
+        prepare(replace(whole, settings=settings), None)
 
 
 def test_waves_that_a_hull_hardly_feels_may_be_too_short_for_a_series():

@@ -1,5 +1,6 @@
 """A scene as a system: its arrays, coefficients that are its own, and the memory that it needs."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
 
@@ -26,6 +27,7 @@ from solver.sea.field import WaveField, wave_field
 from solver.sea.realization import CALM
 
 SAME = 1e-6  # of what a hull displaces
+SWING = 0.8  # by which a float is reckoned to turn to either side of its rest [rad]
 
 
 def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMemory | None = None) -> System:
@@ -142,7 +144,21 @@ def _require_hardly_felt(
         felt = float(np.max((pushed / most)[np.array(scene.nonlinear)]))
     if not felt <= FELT:
         said = f"too short for a series {reach:.3g} m around a float that feels them by {felt:.3g} of the largest wave"
-        raise InputError("sea", waves.shortest, f"{said} force per amplitude, > {FELT:g}: end the band lower")
+        said += f" force per amplitude, > {FELT:g}"
+        for key, value in _stretching(scene, waves.direction, reach):
+            raise InputError(key, value, f"{waves.shortest} are {said}: bring it down, or end the band lower")
+        raise InputError("sea", waves.shortest, f"{said}: end the band lower")
+
+
+def _stretching(scene: Scene, heading: np.ndarray, reach: float) -> Iterator[tuple[str, object]]:
+    """Keys of floats, and their values, of which more than half of a reach [m] comes; heading: of the waves (3,)."""
+    for item, nonlinear, flat in zip(scene.floats, scene.nonlinear, motions.in_plane(scene), strict=True):
+        start, rises = np.abs(item.per_axis("offset")), np.array([axis == "heave" for axis in item.motion])
+        let_go = max(limits.ahead(item, heading) @ start, rises @ start) if item.motion else 0.0
+        turned = 2 * np.sin(SWING / 2) * np.linalg.norm(limits.sight(flat) * item.arm) * item.turns.any()
+        for key, far in (("offset", let_go), ("arm", turned)):
+            if nonlinear and far > reach / 2:
+                yield f"floats.{item.name}.{key}", getattr(item, key)
 
 
 def _check_same(scene: Scene, h: Hydrodynamics, far: bool) -> None:
@@ -198,13 +214,13 @@ def remembered(
 
 
 def _reaches(scene: Scene, slid: np.ndarray) -> list[float]:
-    """How far from rest each hull's wetted surface gets [m]: at ±0.8 rad of its arm and ±0.2 rad of what carries it,
+    """How far from rest each hull's wetted surface gets [m]: at ±SWING of its arm and ±0.2 rad of what carries it,
     and slid (nb,) from where it is let go.
     """
     reaches, flat = limits.radii(scene), motions.in_plane(scene)
     for b, item in enumerate(scene.floats):
         seen, carrier, hinge = limits.sight(flat[b]), scene.carriers[b], np.array(item.hinge, float)
-        reaches[b] += _way(item, seen * (item.centre - hinge), 0.8, slid[b], scene.sea.heading)
+        reaches[b] += _way(item, seen * (item.centre - hinge), SWING, slid[b], scene.sea.heading)
         while carrier >= 0:
             by, point, far = scene.floats[carrier], hinge, slid[carrier]
             hinge, carrier = np.array(by.hinge, float), scene.carriers[carrier]
