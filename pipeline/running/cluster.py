@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import resource
 import signal
 from collections.abc import Iterator
 from typing import Any
@@ -15,6 +16,7 @@ from pipeline import environment
 MALLOC = {"MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "67108864"}
 # What cleans up after a killed run need not tell.
 QUIET = {"PYTHONWARNINGS": "ignore:resource_tracker:UserWarning"}
+FILES, EACH = 24, 9  # open files: of this process while workers start, and of each of them
 IMPORTED = "pipeline.running.imported"  # what workers need before their first step
 
 
@@ -44,6 +46,11 @@ def own_cluster(workers: int, memory: str) -> Iterator[Any]:
     import dask
     from distributed import LocalCluster, Security
 
+    # Beyond it workers die one by one, with tracebacks of the process that they are forked from.
+    limit, needed = resource.getrlimit(resource.RLIMIT_NOFILE)[0], FILES + EACH * workers
+    if limit != resource.RLIM_INFINITY and limit < needed:
+        told = f"{workers} take {needed} open files, and this process may have {limit} (ulimit -n)"
+        raise ChildProcessError(f"workers do not start: {told}")
     start_fork_server()
     with dask.config.set({"temporary-directory": str(environment.scratch())}):
         try:

@@ -10,7 +10,7 @@ import pytest
 
 from pipeline import environment
 from pipeline.bridge.engine import Outcome
-from pipeline.running import schedule
+from pipeline.running import cluster, schedule
 from pipeline.running.place import Place
 from pipeline.running.schedule import Dask, Lost
 
@@ -53,6 +53,20 @@ def test_a_result_takes_as_long_as_it_takes():
         assert {size: len(results[0].result) for size, results in pool.finished()} == {
             size: size for size in (150_000_000, 10, 150_000_001)
         }
+
+
+@pytest.mark.parametrize(
+    ("limit", "workers", "told"),
+    [(41, 2, "2 take 42 open files, and"), (42, 2, ""), (1024, 200, "may have 1024 .ulimit -n"), (-1, 200, "")],
+)
+def test_workers_that_take_more_files_than_there_may_be_are_not_started(monkeypatch, limit, workers, told):
+    def starts():
+        raise ChildProcessError("would start")
+
+    monkeypatch.setattr(cluster.resource, "getrlimit", lambda _: (limit, limit))
+    monkeypatch.setattr(cluster, "start_fork_server", starts)
+    with pytest.raises(ChildProcessError, match=told or "would start"), cluster.own_cluster(workers, "auto"):
+        pass
 
 
 def test_a_cluster_is_nobody_elses_default():
