@@ -234,7 +234,9 @@ def test_letters_that_a_locale_lacks(tmp_path):
     for verb in ("plan", "run", "show", "report"):
         words = kills.command(verb, path, *(["seed=0"] if verb == "show" else []), "--results", tmp_path / "results")
         done = subprocess.run(words, env=env, capture_output=True, text=True, timeout=120)
-        told = [line for line in done.stderr.splitlines() if not line.startswith("compiling the solver")]  # if it is new
+        told = [
+            line for line in done.stderr.splitlines() if not line.startswith("compiling the solver")
+        ]  # if it is new
         assert (done.returncode, told) == (0, []), verb
     path.write_text(path.read_text(encoding="utf-8").replace("depth = 50.0", 'depth = "波"'), encoding="utf-8")
     done = subprocess.run(kills.command("plan", path), env=env, capture_output=True, text=True, timeout=120)

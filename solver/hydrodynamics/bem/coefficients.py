@@ -32,8 +32,8 @@ EACH_ALONE = "each alone"  # what the settings say of bodies that do not interac
 ROUGH = 3  # order of the divided differences by which a curve is rough
 RESOLVED = 1e-3  # of the largest singular value: poles too broad to be told from a smooth rest are left to that
 CLOSE = 1e-3  # of each motion's largest impedance: what the poles of what rings need not meet better
-HELD = 4  # of so many frequencies one is left out, and judges the poles
-HOPELESS = 100.0  # times the least square that is missed: more poles are not sought
+HELD = 3  # of so many frequencies one is left out, and judges the poles
+HOPELESS = 10.0  # logarithms of squares above the least that is missed: more poles are not sought
 CURVES = 16  # sets of coefficients whose curves a process keeps
 SEAS = 32  # seas and coefficients at whose frequencies it keeps them
 
@@ -153,18 +153,20 @@ class Hydrodynamics:
         """
         omega, impedance, force = self._heard
         best, least = np.zeros(0, complex), np.inf
-        if not impedance.size:
+        if not impedance.size or omega.size <= ROUGH:
             return best
         judges = [kind for kind in (mixed(impedance.conj(), CLOSE), force) if kind.any()]
         values, firsts = np.hstack(judges), np.cumsum([0, *(kind.shape[1] for kind in judges[:-1])])
         # Fewer than there are differences to tell how much of each a curve has.
         most, turns = 2 * (omega.size - ROUGH) // 3, np.ptp(self.turned[self.resolved]) / (2 * np.pi)
         for beta in ever_more_poles(omega, impedance, CLOSE, most, turns):
-            # Of each kind beside its own with others, whatever their units.
-            missed = float(np.prod(np.add.reduceat(_missed(omega, values, beta[beta.imag > 0]), firsts)))
+            squares = np.add.reduceat(_missed(omega, values, beta[beta.imag > 0]), firsts, axis=1)
+            # Of each kind beside its own with others, whatever their units; what is missed by most, next to a narrow
+            # resonance, and what is as a rule.
+            missed = float(np.sum(np.log(squares.sum(axis=0)) + np.log(squares).mean(axis=0)))
             if missed < least:
                 best, least = beta, missed
-            elif missed > HOPELESS * least:
+            elif missed > least + HOPELESS:
                 break
         return best
 
@@ -260,14 +262,14 @@ def _smoothest(omega: np.ndarray, values: np.ndarray, beta: np.ndarray, resolved
 
 
 def _missed(omega: np.ndarray, values: np.ndarray, beta: np.ndarray) -> np.ndarray:
-    """Squares (m,) of what curves with poles β miss of values (nw, m), each through all but every HELD-th."""
-    missed = np.zeros(values.shape[1])
+    """Squares (nw - 2, m) of what curves with poles β miss of values (nw, m), each through all but every HELD-th."""
+    missed = np.full(values[1:-1].shape, np.finfo(float).tiny)
     for first in range(1, HELD + 1):
         out = np.arange(first, len(omega) - 1, HELD)  # both ends bear curves
         rest = np.setdiff1d(np.arange(len(omega)), out)
         if out.size:
             curve = _smoothest(omega[rest], values[rest], beta, slice(None))
-            missed += (np.abs(curve(omega[out]) - values[out]) ** 2).sum(axis=0)
+            missed[out - 1] += np.abs(curve(omega[out]) - values[out]) ** 2
     return missed
 
 
