@@ -26,7 +26,7 @@ from solver.record.decay import died
 from solver.record.probe import Probe, sharpest_bend
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
-from solver.record.slow import SlowShare
+from solver.record.shares import Shares
 from solver.record.starting import from_rest, left_over
 from solver.record.turning import turning
 from solver.record.unknown import without_unknown
@@ -136,14 +136,14 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     s = scene.settings
     steps = int(np.ceil((s.discard + s.duration) / system.dt - 1e-9))
     recorder, probe = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies), Probe(system)
-    state, slow = system.start(), SlowShare(system, hydrodynamics)
+    state, shares = system.start(), Shares(system, hydrodynamics)
     before, done, bend = copied(state), 0, sharpest_bend(scene)
     furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
     low = high = np.stack([state.z, state.dz])  # of positions and rates, where loads are given in a range of them
     ranged = any(points is not None for f in scene.floats for points in f.pto_points)
     for samples, output, times in blocks(system, state, steps):
         recorder.add(times, output, samples)
-        slow.add(times, output.p, output.z)
+        shares.add(times, output.p, output.z)
         if ranged:
             joints = np.stack([output.z, output.dz])[..., output.z.shape[1] - state.z.size :]
             low, high = np.minimum(low, joints.min(axis=1)), np.maximum(high, joints.max(axis=1))
@@ -162,7 +162,8 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     if not residual <= BALANCE:
         raise unbalanced(residual, BALANCE, times[-1], system)
     marched = time.perf_counter() - probe.seconds  # so far: the rest of the audit comes below
-    probe.know(slow.value, hydrodynamics)
+    tables, channels = recorder.tables(), recorder.channels
+    probe.know(shares.of(tables), hydrodynamics)
     attrs: dict[str, Any] = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
@@ -179,7 +180,6 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     }
     told = warnings(scene, system.joints_at_rest)
     beyond = beyond_tables(scene.floats, low, high)
-    tables, channels = recorder.tables(), recorder.channels
     late, doubted = died(channels, tables), doubts(s, probe.errors(hydrodynamics))
     if odd := (
         *told,

@@ -134,7 +134,7 @@ VARIABLES = {
     "seabed_error": Meaning("1", "Share of a coefficient that the seabed has, at most, where it was left out"),
     "quadrature_error": Meaning("1", "Estimated relative error of the pressure's quadrature"),
     "memory_effect": Meaning(
-        "1", "Relative error that the misfit of the radiation memory makes in the linear response"
+        "1", "Relative error that the misfit of the radiation memory makes in the linear response, or beside the waves"
     ),
     "mesh_error": Meaning("1", "Estimated relative error of the coefficients by the boundary elements' mesh, at most"),
     "mesh_effect": Meaning("1", "Relative error that the boundary elements' mesh makes in the linear response"),

@@ -19,7 +19,7 @@ from solver.frequency import gaussian
 from solver.frequency.bent import Load
 from solver.frequency.case import NARROW, Case
 from solver.keys import shared
-from solver.record.slow import radiating
+from solver.record.beside import radiating
 
 ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
 GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std

@@ -11,7 +11,7 @@ import numpy as np
 from solver.frequency.case import NARROW, Case
 from solver.frequency.response import Response
 from solver.lines import lengths
-from solver.record.slow import radiating
+from solver.record.beside import radiating
 from solver.statistics import FAINT
 
 ASIDE = 4  # lines to each side of a resonance, by which the sea is known there

@@ -41,7 +41,7 @@ from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.lines import some
 from solver.multibody.joint_law import JointLaw
-from solver.record.slow import LIGHTLY, below
+from solver.record.beside import LIGHTLY, below
 from solver.statistics import STATISTICS
 
 NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken

@@ -16,11 +16,10 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.keys import shared
 from solver.lines import lengths, real_by_complex, real_parts
 from solver.multibody.joint_law import JointLaw
-from solver.record import decay
+from solver.record import beside, decay
 from solver.record.channels import Channels
 from solver.record.response import absorbs, drag_damping, in_waves
 from solver.record.sampling import least_force, least_motion
-from solver.record.slow import slow_effect
 from solver.statistics import FAINT
 
 UNSURE = 0.4  # of what the error of forces alone would do, that may be left where others cancel it
@@ -38,16 +37,16 @@ def coefficient_effects(
 
     And to the joints' forces. In this sea, or let go from the scene's offsets: with the fit's B - iω(A - A∞) in place
     of the coefficients'; and with coefficients off by their estimated error, see `cancelled`. The memory's counts what
-    its misfit does below the waves, too, see `slow`. transfer: Y of a memory that is not the system's fit, about the
+    its misfit does beside the waves, too, see `beside`. transfer: Y of a memory that is not the system's fit, about the
     same added mass.
     """
     return (0.0, 0.0) if h is None else (memory_effect(system, h, transfer=transfer), _mesh_effect(system, h))
 
 
 def memory_effect(
-    system: System, h: Hydrodynamics, slow_share: float = 1.0, transfer: decay.Transfer | None = None
+    system: System, h: Hydrodynamics, shares: np.ndarray | float = 1.0, transfer: decay.Transfer | None = None
 ) -> float:
-    """The first of `coefficient_effects`; slow_share: of a motion's variance, what is slower than the waves."""
+    """The first of `coefficient_effects`; shares (m,): of an output's variance, the shapes' beside the waves."""
     if transfer is None:
         if system.fit is None:
             return 0.0
@@ -55,7 +54,7 @@ def memory_effect(
     if not system.scene.sea.amplitude.any():
         return decay.by_memory(system, h, transfer)
     misfit = _exact(system, h).change(h, transfer(system.scene.sea.omega))
-    return max(misfit, slow_share * slow_effect(system, h, transfer))
+    return max(misfit, np.max(shares * beside.effects(system, h, transfer), initial=0.0))
 
 
 def _mesh_effect(system: System, h: Hydrodynamics) -> float:

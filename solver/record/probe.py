@@ -131,10 +131,11 @@ class Probe:
             self.seconds += time.perf_counter() - clock
         return self._errors
 
-    def know(self, slow_share: float, hydrodynamics: Hydrodynamics | None) -> None:
-        """Take in how much of the record is slow, when it is over: before, `memory_effect` is as if all were."""
-        if slow_share < 1 and hydrodynamics is not None:
-            effect = memory_effect(self.system, hydrodynamics, slow_share)
+    def know(self, shares: np.ndarray | float, hydrodynamics: Hydrodynamics | None) -> None:
+        """Take in what shares of the record swing beside the waves, when it is over: before, `memory_effect` is as if
+        all did."""
+        if hydrodynamics is not None and np.any(np.asarray(shares) < 1):
+            effect = memory_effect(self.system, hydrodynamics, shares)
             parts = {**self.errors(hydrodynamics), "memory_effect": effect}
             del parts["estimated_error"]
             self._errors = {**parts, "estimated_error": together(parts.values())}

@@ -6,7 +6,7 @@ Z the linear model's dynamic stiffness and E x what radiates, a change δY of th
 
     δX_k = Σ_ij (Z⁻¹Eᵀ)_ki iω δY_ij (E X)_j.
 
-What resonates below the waves and is driven there counts by what a misfit does to its resonance, see `slow`.
+What resonates beside the waves and is driven there counts by what a misfit does to its resonance, see `beside`.
 Poles are the coefficients' and not the sea's: those of the usual fit stay, or somewhat more are sought as it sought
 them, once for all seas. What they weigh is found again, which is soon done.
 
@@ -33,9 +33,9 @@ from solver.hydrodynamics.radiation.fitting import HOPELESS, LOOSE, USUAL, Sampl
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits, shared
 from solver.record.accuracy import MARGIN, SHARE
+from solver.record.beside import importance_beside
 from solver.record.decay import spectrum
 from solver.record.effects import memory_effect
-from solver.record.slow import slow_importance
 from solver.scene import Scene, Settings
 from solver.statistics import FAINT
 
@@ -92,7 +92,7 @@ def _suited(scene: Scene, h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways)
     usual, effect, moving = best.fit, _swayed(best, h), (h, hulls, ways, hold)
     if usual is None or effect <= allowed or (sampled := _sampled(*moving)) is None:
         return usual
-    counts = np.maximum(importance(best, h), slow_importance(best, h))
+    counts = np.maximum(importance(best, h), importance_beside(best, h))
     several = h.moved(ways).sum() > SEVERAL
     for pairs, times in product([0] if several else _numbers(usual, sampled), TIMES[:2] if several else TIMES):
         poles = _poles(*moving, pairs) if pairs else usual.beta

@@ -24,9 +24,9 @@ from solver.coupled.natural import system_modes
 from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import of_axes
+from solver.record.beside import radiating, unradiated
 from solver.record.response import in_waves
 from solver.record.sampling import least_motion
-from solver.record.slow import radiating, unradiated
 from solver.scene import Settings
 from solver.sea.realization import ramp
 from solver.statistics import FAINT

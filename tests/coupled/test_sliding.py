@@ -17,7 +17,7 @@ from solver.run import simulate
 from solver.scene import Float
 from solver.sea.realization import regular
 from tests.awkward import BALL, BUOYED, RHO, known, scene, sea
-from tests.record.test_slow import soft
+from tests.record.test_beside import soft
 
 SOFT = 1500.0  # [N/m]
 

@@ -1,6 +1,7 @@
-"""What the memory's misfit does to motions that resonate below the waves, where what is not linear drives them.
+"""What the memory's misfit does to motions that resonate beside the waves, where what is not linear drives them.
 
-No linear wave moves them, but body-nonlinear pressure, drag and bent laws do, at differences of frequencies. With
+No linear wave moves them, but body-nonlinear pressure, drag and bent laws do: below the waves at differences of their
+frequencies, above them at sums. With
 B = φᵀ(D + Eᵀ Re Y E)φ a shape φ of unit inertia that rests at t = 0 is swung by a drive f that is flat across its
 resonance with the envelope and, over a record, on average the square
 
@@ -28,52 +29,56 @@ from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import of_axes
 from solver.record.decay import Transfer
 from solver.record.response import drag_damping
-from solver.record.spectra import all_lines
-from solver.statistics import FAINT
 
 LIGHTLY = 0.3  # of critical: what is damped by more has no resonance
 INSTANTS = 500  # of a record, over which is summed
 
 
-class Below(NamedTuple):
-    """m shapes of the system whose natural frequency is below all waves, of several."""
+class Shapes(NamedTuple):
+    """m shapes of the system, of unit inertia."""
 
     omega: np.ndarray  # (m,) [rad/s]
     shapes: np.ndarray  # φ (m, n)
     moved: np.ndarray  # (m, na) what of each radiates, Eφ
     radiated: np.ndarray  # (m,) of B
+    damping: np.ndarray  # (m,) B, zero where it is not asked for
 
 
-class Slow(NamedTuple):
-    """m shapes of the system that swing below the waves."""
-
-    omega: np.ndarray  # (m,) [rad/s]
-    moved: np.ndarray  # (m, na) what of each radiates, Eφ
-    damping: np.ndarray  # (m,) B
-
-
-def slow(system: System, h: Hydrodynamics) -> Slow:
-    """The shapes that are damped lightly and that something drives there: none of a single wave, or in still water."""
-    none = np.zeros(0)
-    if not _driven(system):
-        return Slow(none, np.zeros((0, len(linear_model(system).active))), none)
-    own, shapes, moved, radiated = below(system, h)
-    # What resonates below the waves follows them by its inertia: its drag hardly changes their rates, by which it is.
-    damping = unradiated(system, h, shapes) + radiated
-    lightly = (damping > 0) & (damping < 2 * LIGHTLY * own)
-    return Slow(own[lightly], moved[lightly], damping[lightly])
+def beside(system: System, h: Hydrodynamics) -> Shapes:
+    """Those beside the waves that are damped lightly and that something drives there: none of a single wave, or in
+    still water; nor above the frequencies solved for, where boundary elements say nothing."""
+    omega, (slowest, fastest) = system_modes(system, h).omega, waves(system)
+    above = (omega > fastest) & (omega <= h.omega[-1])
+    of = _shapes(system, h, ((omega > 0) & (omega < slowest) | above) & _driven(system))
+    # What resonates below the waves follows them by its inertia, what does above hardly moves: its drag hardly changes
+    # its rates in the water, by which it is.
+    damping = (unradiated(system, h, of.shapes) if of.omega.size else 0.0) + of.radiated
+    lightly = (damping > 0) & (damping < 2 * LIGHTLY * of.omega)
+    return Shapes(*(x[lightly] for x in of._replace(damping=damping)))
 
 
-def below(system: System, h: Hydrodynamics | None) -> Below:
-    """Those shapes; none of a single wave, or in still water."""
-    omega, modes = system.scene.sea.omega[system.scene.sea.amplitude != 0], system_modes(system, h)
-    least = omega.min() if omega.size > 1 else 0.0
-    some = (modes.omega > 0) & (modes.omega < least)
+def below(system: System, h: Hydrodynamics | None) -> Shapes:
+    """Those whose natural frequency is below all waves, of several; none of a single wave, or in still water."""
+    omega = system_modes(system, h).omega
+    return _shapes(system, h, (omega > 0) & (omega < waves(system)[0]))
+
+
+def waves(system: System) -> tuple[float, float]:
+    """Of the waves' frequencies, of several; all of a single wave, or in still water."""
+    omega = system.scene.sea.omega[system.scene.sea.amplitude != 0]
+    return (omega.min(), omega.max()) if omega.size > 1 else (0.0, np.inf)
+
+
+def _shapes(system: System, h: Hydrodynamics | None, some: np.ndarray) -> Shapes:
+    modes = system_modes(system, h)
     own, shapes = modes.omega[some], modes.shapes[:, some].T
-    return Below(own, shapes, *radiating(system, h, own, shapes))
+    moved, radiated = radiating(system, h, own, shapes)
+    return Shapes(own, shapes, moved, radiated, np.zeros(own.size))
 
 
-def radiating(system: System, h: Hydrodynamics | None, own: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, ...]:
+def radiating(
+    system: System, h: Hydrodynamics | None, own: np.ndarray, shapes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Of shapes φ (m, n) at their frequencies (m,): what of each radiates, Eφ (m, na), and by that its part of B."""
     moved = shapes @ linear_model(system).active.T
     if h is None or not own.size:
@@ -89,59 +94,29 @@ def unradiated(system: System, h: Hydrodynamics | None, shapes: np.ndarray) -> n
     return np.asarray(np.einsum("mi,ij,mj->m", shapes, D, shapes))
 
 
-def slow_effect(system: System, h: Hydrodynamics, transfer: Transfer) -> float:
-    """The largest relative change of such a shape's std by the misfit of a memory's Y."""
-    shapes = slow(system, h)
+def effects(system: System, h: Hydrodynamics, transfer: Transfer) -> np.ndarray:
+    """Relative change of each such shape's std (m,) by the misfit of a memory's Y."""
+    shapes = beside(system, h)
     if not shapes.omega.size:
-        return 0.0
+        return np.zeros(0)
     misfit = _of(transfer(shapes.omega) - impedance_anywhere(system, h, shapes.omega), shapes.moved)
     damped, shifted = _in_record(system, shapes)
-    return float(np.max(np.hypot(damped * misfit.real, shifted * misfit.imag)))
+    return np.hypot(damped * misfit.real, shifted * misfit.imag)
 
 
-class SlowShare:
-    """How much of a record's motions is slower than its waves."""
-
-    def __init__(self, system: System, h: Hydrodynamics | None):
-        """Nothing is taken in where the memory knows of no such motion, and nothing told: 1."""
-        s, sea = system.scene.settings, system.scene.sea
-        self.inside, self.step = (s.discard, s.discard + s.duration), system.dt / 2
-        self.modes, self.length = system.structure.omega.size, linear_model(system).length
-        own = slow(system, h).omega if h is not None and system.fit is not None else np.zeros(0)
-        self.least = sea.omega[sea.amplitude != 0].min() if own.size else 0.0
-        self.motions: list[np.ndarray] = []
-
-    def add(self, times: np.ndarray, p: np.ndarray, z: np.ndarray) -> None:
-        """Take in a block of modes p (m, nm) and of carriers and joints z (m, nz)."""
-        if self.least > 0:
-            kept, joints = (times > self.inside[0]) & (times <= self.inside[1]), len(self.length) - self.modes
-            self.motions.append(np.concatenate([p[:, : self.modes], z[:, z.shape[1] - joints :]], axis=1)[kept])
-
-    @property
-    def value(self) -> float:
-        """Of the variance of the coordinate in which it is most."""
-        if not self.motions:
-            return 1.0
-        omega, lines = all_lines(np.concatenate(self.motions), self.step)
-        power = np.abs(lines) ** 2
-        whole, part = power.sum(axis=0), power[omega < self.least].sum(axis=0)
-        used = self.length**2 * whole > FAINT**2 * np.max(self.length**2 * whole)
-        return float(np.max(part[used] / whole[used], initial=0.0))
-
-
-def slow_importance(system: System, h: Hydrodynamics) -> np.ndarray:
+def importance_beside(system: System, h: Hydrodynamics) -> np.ndarray:
     """|Eφ|_i |Eφ|_j |V'/2V| (nw, na, na), the largest of all shapes, at the frequencies solved to either side of each:
     nothing that shifts a resonance counts more than what damps it."""
-    shapes = slow(system, h)
+    shapes = beside(system, h)
     counts = np.zeros((h.omega.size, *h.added_mass_inf.shape))
     for own, moved, damped in zip(shapes.omega, shapes.moved, _in_record(system, shapes)[0], strict=True):
         after = int(np.searchsorted(h.omega, own))
-        beside = counts[max(after - 1, 0) : after + 1]
-        np.maximum(beside, damped * np.abs(np.outer(moved, moved)), out=beside)
+        near = counts[max(after - 1, 0) : after + 1]
+        np.maximum(near, damped * np.abs(np.outer(moved, moved)), out=near)
     return counts
 
 
-def _in_record(system: System, shapes: Slow) -> tuple[np.ndarray, np.ndarray]:
+def _in_record(system: System, shapes: Shapes) -> tuple[np.ndarray, np.ndarray]:
     s = system.scene.settings
     return changes(shapes.damping, s.discard, s.discard + s.duration)
 
@@ -164,7 +139,7 @@ def _of(Y: np.ndarray, moved: np.ndarray) -> np.ndarray:
 
 
 def _driven(system: System) -> bool:
-    """Whether something has forces at differences of the waves' frequencies."""
+    """Whether something has forces at differences and sums of the waves' frequencies."""
     law = system.bodies.law
     joints = of_axes.bent(law).any() or of_axes.drag(law).any() or any(f.lines for f in system.scene.floats)
     return bool(joints or system.bodies.nonlinear.any() or system.structure.drag.any())

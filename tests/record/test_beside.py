@@ -1,4 +1,4 @@
-"""What a memory's misfit does below the waves is told, and counts where the memory is fitted again."""
+"""What a memory's misfit does beside the waves is told, and counts where the memory is fitted again."""
 
 from dataclasses import replace
 from functools import cache
@@ -10,20 +10,26 @@ from scipy.signal import lfilter
 
 from solver.coupled.linear import impedance, impedance_anywhere, linear_model
 from solver.coupled.moving import force_of_waves
+from solver.coupled.natural import system_modes
 from solver.coupled.preparation import prepare
 from solver.frequency.case import case_of
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.record import refit
 from solver.record.audit import unmet
-from solver.record.effects import coefficient_effects
+from solver.record.beside import beside, changes, effects, importance_beside
+from solver.record.channels import Channels
+from solver.record.effects import coefficient_effects, memory_effect
 from solver.record.response import drag_damping
-from solver.record.slow import SlowShare, changes, slow, slow_effect, slow_importance
+from solver.record.sampling import least_force
+from solver.record.shares import Shares
 from solver.run import simulate
 from solver.scene import Float, Scene, Settings, Water
 from solver.sea.current import Current
 from solver.sea.realization import CALM
+from solver.statistics import apart, moments
 from solver.structure.members import PointMass
+from solver.structure.sections import tube
 from studies.validation import gaps
 from tests.awkward import RHO, SCENES, known, scene, sea
 
@@ -41,6 +47,18 @@ def buoy():
     settings = Settings(duration=600.0, discard=60.0, ramp=5.0, time_step=0.04)
     whole = Scene(water=Water(depth=np.inf, density=RHO), sea=waves, floats=(item,), settings=settings)
     return whole, known(whole, 1.4, 31.3, 40)
+
+
+@cache
+def slender():
+    """A float on thin legs, in waves from ahead: their sway, and half a dozen more shapes, are faster than these."""
+    whole = replace(SCENES["unequal_legs"]()[0], sea=sea(Hs=0.8))
+    frame = whole.platform.frame
+    legs = tuple(replace(m, section=tube(0.35, 0.012)) if m.name in "abc" else m for m in frame.members)
+    frame = replace(frame, members=legs, masses=(PointMass(node="deck", mass=1e5),))
+    item, _ = given(whole, None, time_step=0.1)
+    item = replace(item, platform=replace(whole.platform, frame=frame, damping_ratio=0.005))
+    return item, known(item, 0.45, 12.0, 36)
 
 
 def barge():
@@ -88,7 +106,7 @@ def soft(stiffness, damping, seed=1, **settings):
 
 
 def by_fit(system, h):
-    return slow_effect(system, h, system.fit.frequency)
+    return effects(system, h, system.fit.frequency).max(initial=0.0)
 
 
 def given(item, h, **settings):
@@ -140,20 +158,49 @@ def test_slow_motions_count_by_their_share_of_the_record():
     assert told / 2 < abs(std[1] / std[0] - 1) < 2 * told
 
 
-def test_the_share_of_what_is_slow_is_that_of_lines_below_the_waves():
-    """Of a coordinate that moves by one line there and one among the waves."""
-    item, h = buoy()
+@pytest.mark.parametrize("build", [buoy, slender])
+def test_a_shapes_share_is_that_of_its_lines_beside_the_waves(build):
+    """Of outputs that move as it does, by one line there and by one among the waves."""
+    item, h = given(*build(), memory_tolerance=0.03)
     system = prepare(item, h)
-    own, wave = slow(system, h).omega[0], 7.0
-    share, dt = SlowShare(system, h), system.dt / 2
-    for times in np.split(dt * np.arange(1, 40001), 8):
-        x = np.zeros((len(times), 3))
-        x[:, 0] = 0.3 * np.cos(own * times) + 0.7 * np.cos(wave * times) + 5.0
-        x[:, 1] = 0.1 * np.cos(wave * times)
-        share.add(times, np.zeros((len(times), 0)), x)
-    assert share.value == approx(0.3**2 / (0.3**2 + 0.7**2), rel=0.03)
+    of, wave, (nc, nm) = beside(system, h), np.sqrt(np.prod(item.sea.omega[[0, -1]])), system.structure.carrier.shape
+    shares, dt, channels = Shares(system, h), system.dt / 2, Channels(item, system.support)
+    times = dt * np.arange(1, int((item.settings.discard + item.settings.duration) / dt))
+    x = np.outer(0.3 * np.cos(of.omega[0] * times) + 0.7 * np.cos(wave * times), of.shapes[0]) + 5.0
+    for begin in range(0, times.size, 5000):
+        part = slice(begin, begin + 5000)
+        shares.add(times[part], x[part, :nm], np.concatenate([np.zeros((times[part].size, nc)), x[part, nm:]], axis=1))
+    outputs = {
+        **dict(channels.motions(x[:, nm:])),
+        "hinge_force": np.ones((2, len(item.floats), 3)) * [[[1e9]], [[-1e9]]],
+    }
+    if channels.legs:
+        outputs["top_displacement"] = channels.legs.top_displacement(x[:, :nm])
+    tables = {name: moments(each.reshape(len(each), -1)).reshape(*each.shape[1:], 5) for name, each in outputs.items()}
+    first, *others = shares.of(tables)
+    assert first == approx(0.3**2 / (0.3**2 + 0.7**2), rel=0.03) and max(others, default=0.0) < 0.01
     calm = replace(item, sea=CALM)
-    assert SlowShare(prepare(calm, h), h).value == 1.0  # where nothing is filtered
+    assert Shares(prepare(calm, h), h).of(tables) == 1.0  # where nothing is filtered
+
+
+def test_what_a_poor_memory_changes_above_the_waves_is_told():
+    """Of what joints bear across the waves, by which no wave moves them."""
+    item, h = slender()
+    poor, good = (simulate(*given(item, h, memory_tolerance=each)) for each in (0.03, 1e-3))
+    true = max(
+        apart(poor.variables[name][1], good.variables[name][1], least)
+        for name, least in (("rotation", 0.0), ("top_displacement", 0.0), ("hinge_force", least_force(item)))
+    )
+    assert 1 / 3 < poor.attrs["memory_effect"] / true < 3
+    assert true > 10 * memory_effect(prepare(*given(item, h, memory_tolerance=0.03)), h, 0.0)
+
+
+def test_no_shape_counts_above_the_frequencies_solved_for():
+    item, h = slender()
+    system = prepare(item, h)
+    among = beside(system, h).omega
+    assert among.size > 0 and np.all((among > item.sea.omega.max()) & (among < h.omega[-1]))
+    assert system_modes(system, h).omega.max() > h.omega[-1]
 
 
 def test_what_hardly_dies_does_not_spoil_the_memory_of_waves():
@@ -204,7 +251,7 @@ def test_what_a_change_of_damping_does_is_what_the_linear_model_has_of_a_flat_dr
     item, h = buoy()
     item = replace(item, floats=(replace(item.floats[0], quadratic_damping=0.0),))
     system = prepare(item, h)
-    model, shapes, small = linear_model(system), slow(system, h), 1e-3
+    model, shapes, small = linear_model(system), beside(system, h), 1e-3
     omega = np.linspace(0.8, 1.2, 4001) * shapes.omega[0]
     force = np.broadcast_to(np.eye(3)[0], (omega.size, 3))
     Y = np.broadcast_to(impedance_anywhere(system, h, shapes.omega), (omega.size, 3, 3))
@@ -212,7 +259,7 @@ def test_what_a_change_of_damping_does_is_what_the_linear_model_has_of_a_flat_dr
     more[0, 0] = small * shapes.damping[0] / shapes.moved[0, 0] ** 2
     before, after = (np.linalg.norm(model.response(omega, y, force)[:, 0]) for y in (Y, Y + more))
     assert before / after - 1 == approx(small / 2, rel=0.1)  # the resonance's skirts are beyond
-    counts = slow_importance(system, h)
+    counts = importance_beside(system, h)
     used = np.flatnonzero(counts.any(axis=(1, 2)))
     assert h.omega[used[0]] < shapes.omega[0] < h.omega[used[1]] and used.size == 2
     assert counts[used[0], 0, 0] * more[0, 0] == approx(small / 2, rel=0.01)  # the start is in the record
@@ -221,19 +268,19 @@ def test_what_a_change_of_damping_does_is_what_the_linear_model_has_of_a_flat_dr
 def test_what_shifts_a_resonance_changes_its_std_in_a_record_of_some_length():
     item, h = buoy()
     system = prepare(item, h)
-    shapes, s = slow(system, h), item.settings
+    shapes, s = beside(system, h), item.settings
     small = 1e-3 * shapes.damping[0]
     off = np.zeros((3, 3), complex)
     off[0, 0] = 1j * small / shapes.moved[0, 0] ** 2
     shifted = changes(shapes.damping, s.discard, s.discard + s.duration)[1][0]
-    assert slow_effect(system, h, lambda w: impedance_anywhere(system, h, w) + off) == approx(shifted * small, rel=1e-6)
+    assert effects(system, h, lambda w: impedance_anywhere(system, h, w) + off) == approx(shifted * small, rel=1e-6)
 
 
 def test_the_lowest_frequency_solved_counts_for_what_is_below_it():
     item, h = barge()
     system = prepare(item, h)
-    assert slow(system, h).omega[0] < h.omega[0]
-    assert np.flatnonzero(slow_importance(system, h).any(axis=(1, 2))).tolist() == [0]
+    assert beside(system, h).omega[0] < h.omega[0]
+    assert np.flatnonzero(importance_beside(system, h).any(axis=(1, 2))).tolist() == [0]
 
 
 def test_only_what_is_driven_below_waves_and_rings_there_is_slow():
@@ -247,21 +294,21 @@ def test_only_what_is_driven_below_waves_and_rings_there_is_slow():
         replace(item, floats=(fast,)), replace(item, floats=(braked,)),
         replace(item, floats=(replace(body, stiffness=0.0),)),
     ]  # fmt: skip
-    assert slow(prepare(item, h), h).omega.size == 1
+    assert beside(prepare(item, h), h).omega.size == 1
     for other in others:
-        assert slow(prepare(other, h), h).omega.size == 0 and by_fit(prepare(other, h), h) == 0
+        assert beside(prepare(other, h), h).omega.size == 0 and by_fit(prepare(other, h), h) == 0
     braked_by_square = replace(body, quadratic_damping=(1e3, 0, 0))
     bent = replace(body, coulomb=(100.0, 0, 0))
     for driven in (braked_by_square, bent):
         linear = replace(others[0], floats=(driven,))
-        assert slow(prepare(linear, h), h).omega.size == 1
+        assert beside(prepare(linear, h), h).omega.size == 1
 
 
 def test_quadratic_damping_damps_what_is_slow():
     """Of a joint, by what it moves in waves."""
     item, h = barge()
     rough = replace(item, floats=(replace(item.floats[0], quadratic_damping=(1e4, 0, 0)),))
-    calm, steep = (slow(prepare(each, h), h) for each in (item, rough))
+    calm, steep = (beside(prepare(each, h), h) for each in (item, rough))
     system, omega = prepare(item, h), item.sea.omega
     x = linear_model(system).response(omega, impedance(system, h, omega), force_of_waves(system, h))[:, 0]
     rate = np.sqrt(np.sum(np.abs(omega * x) ** 2) / 2)
@@ -280,7 +327,7 @@ def test_drag_damps_a_frame_as_in_the_frequency_domain():
         system = prepare(flowing, h)
         damping = drag_damping(system)
         assert damping == approx(case_of(lines, h).drag_at_rest[1], rel=1e-6, abs=1e-9 * damping.max())
-        found.append(slow(system, h))
+        found.append(beside(system, h))
     assert found[0].omega.size > 0 and np.all(found[1].damping > found[0].damping)
 
 
