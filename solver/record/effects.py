@@ -54,7 +54,7 @@ def memory_effect(
     if not system.scene.sea.amplitude.any():
         return decay.by_memory(system, h, transfer)
     misfit = _exact(system, h).change(h, transfer(system.scene.sea.omega))
-    return max(misfit, np.max(shares * beside.effects(system, h, transfer), initial=0.0))
+    return max(misfit, float(np.max(shares * beside.effects(system, h, transfer), initial=0.0)))
 
 
 def _mesh_effect(system: System, h: Hydrodynamics) -> float:

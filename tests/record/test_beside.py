@@ -166,16 +166,18 @@ def test_a_shapes_share_is_that_of_its_lines_beside_the_waves(build):
     of, wave, (nc, nm) = beside(system, h), np.sqrt(np.prod(item.sea.omega[[0, -1]])), system.structure.carrier.shape
     shares, dt, channels = Shares(system, h), system.dt / 2, Channels(item, system.support)
     times = dt * np.arange(1, int((item.settings.discard + item.settings.duration) / dt))
-    x = np.outer(0.3 * np.cos(of.omega[0] * times) + 0.7 * np.cos(wave * times), of.shapes[0]) + 5.0
+    kept = times > item.settings.discard
+    swung = np.where(kept, 0.3, 3.0) * np.cos(of.omega[0] * times)
+    x = np.outer(swung + 0.7 * np.cos(wave * times), of.shapes[0]) + 5.0
     for begin in range(0, times.size, 5000):
         part = slice(begin, begin + 5000)
         shares.add(times[part], x[part, :nm], np.concatenate([np.zeros((times[part].size, nc)), x[part, nm:]], axis=1))
     outputs = {
-        **dict(channels.motions(x[:, nm:])),
+        **dict(channels.motions(x[kept, nm:])),
         "hinge_force": np.ones((2, len(item.floats), 3)) * [[[1e9]], [[-1e9]]],
     }
     if channels.legs:
-        outputs["top_displacement"] = channels.legs.top_displacement(x[:, :nm])
+        outputs["top_displacement"] = channels.legs.top_displacement(x[kept, :nm])
     tables = {name: moments(each.reshape(len(each), -1)).reshape(*each.shape[1:], 5) for name, each in outputs.items()}
     first, *others = shares.of(tables)
     assert first == approx(0.3**2 / (0.3**2 + 0.7**2), rel=0.03) and max(others, default=0.0) < 0.01
