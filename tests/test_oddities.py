@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.record.test_slow import soft
 
 from solver.errors import SimulationFailed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
@@ -23,6 +22,7 @@ from solver.sea.realization import components, realize, regular
 from solver.sea.spectrum import Jonswap, PiersonMoskowitz
 from solver.statistics import STATISTICS
 from tests.awkward import bare_legs, flap, prism, scene, soft_mooring, unequal_legs
+from tests.record.test_beside import soft
 from tests.test_balance import WHOLE, ball, buoy
 
 

@@ -51,7 +51,7 @@ def paths(study: StudyFile) -> Iterator[InputError]:
             if not values:
                 yield InputError(f'axes."{path}"', "[]", "needs at least one value")
             for label, given in zip(axis.labels, together, strict=True):
-                if path in given and (limit := _objection(study, path, given)):
+                if path in given and (limit := _objection(study, path, given) or _above(study, path, given)):
                     yield InputError(_place(axis, path, label), told(given[path]), limit)
                     break
         yield from repeated(f'axes."{next(iter(axis.keys)) if axis.own else axis.name}"', axis.labels)
@@ -100,15 +100,9 @@ def _survival(study: StudyFile) -> Iterator[InputError]:
     if study.survival is None:
         return
     for path, value in study.survival.keys.items():
-        where, first = f'survival."{path}"', path.partition(".")[0]
-        if first not in SURVIVING:
-            yield InputError(where, value, f"must be a key of {', '.join(SURVIVING)}")
-            continue
-        if study.axes.hinge_spacing and first == "floats" and "hinge" in path.split("."):
-            yield InputError(where, value, "must be left out beside axes.hinge_spacing, which alone decides on hinges")
-        elif limit := _objection(study, path, study.survival.keys):
-            yield InputError(where, value, limit)
-    if not study.survival.keys:
+        if limit := _surviving(study, path, study.survival.keys):
+            yield InputError(f'survival."{path}"', value, limit)
+    if not study.survival.keys and not any(_in_high_seas(path) for axis in study.varied for path in axis.keys):
         yield InputError("survival", "{}", 'needs keys that change, as "floats.*.coulomb" = 1e9, or left_out')
     unknown = set(study.axes.sea_state or ()) - study.sea_states.keys()
     if unknown or any(path.startswith("sea") for axis in study.varied for path in axis.keys):
@@ -120,6 +114,28 @@ def _survival(study: StudyFile) -> Iterator[InputError]:
     if not highest > study.survival.Hs:
         limit = f"no sea of the study is above it: the highest has Hs = {highest:g} m"
         yield InputError("survival.Hs", study.survival.Hs, limit)
+
+
+def _above(study: StudyFile, path: str, together: Mapping[str, object]) -> str:
+    """What is wrong with a value that a dimension has for high seas."""
+    values = {_in_high_seas(other): value for other, value in together.items() if _in_high_seas(other)}
+    return _surviving(study, inner, values) if study.survival and (inner := _in_high_seas(path)) else ""
+
+
+def _in_high_seas(path: str) -> str:
+    """The path of another value in high seas; nothing of another key's."""
+    head, _, rest = path.partition(".")
+    return rest if head == "survival" and rest != "Hs" else ""
+
+
+def _surviving(study: StudyFile, path: str, together: Mapping[str, object]) -> str:
+    """What is wrong with a value in high seas, or with its path."""
+    first = path.partition(".")[0]
+    if first not in SURVIVING:
+        return f"must be a key of {', '.join(SURVIVING)}"
+    if study.axes.hinge_spacing and first == "floats" and "hinge" in path.split("."):
+        return "must be left out beside axes.hinge_spacing, which alone decides on hinges"
+    return _objection(study, path, together)
 
 
 def _objection(study: StudyFile, path: str, together: Mapping[str, object]) -> str:

@@ -20,6 +20,7 @@ from pipeline.study.words import last
 ALL = "*"
 LISTS = ("nodes", "foundation")  # of which each is a list, by name
 SEA = "sea"  # stands for every sea state that the study has tasks in
+PATHS = "keys"  # field of a table that has values of other keys, by their paths
 FIXED = ("axes", "title", "variants", "samples")  # what no axis varies
 OWN = ("platform", "survival")  # tables by which a study has the tasks that it has: no value brings them in
 CONSTANT = {  # keys of tables that no value takes the place of, and why
@@ -96,7 +97,10 @@ def _below_names(node: Any, path: str, above: tuple[str, ...]) -> Iterator[tuple
         yield *above, *filter(None, path.split("."))
         return
     if isinstance(node, Table):
-        items = {name: getattr(node, name) for name in type(node).model_fields}
+        items = {name: getattr(node, name) for name in _own(node)}
+        if PATHS in type(node).model_fields and path.partition(".")[0] not in items:
+            yield *above, path
+            return
     else:
         items = dict(node) if isinstance(node, Mapping) else {_name(item): item for item in node}
     chosen, rest = _named(list(items), path, ".".join(above))
@@ -146,7 +150,9 @@ def _in_list(values: Any, rest: str, put: Put, name: str) -> tuple[Any, ...]:
 
 def _table(node: Table, path: str, put: Put, above: str) -> Table:
     key, _, rest = path.partition(".")
-    known = [name for name in type(node).model_fields if above or name not in FIXED]
+    known = [name for name in _own(node) if above or name not in FIXED]
+    if key not in known and PATHS in type(node).model_fields:
+        return _with(node, PATHS, {**getattr(node, PATHS), path: put.value}, put)
     if key not in known:
         raise PathError(_nowhere(key, rest, known, above))
     if key in CONSTANT:
@@ -166,6 +172,15 @@ def _table(node: Table, path: str, put: Put, above: str) -> Table:
         new = _in_list(child, rest, put, f"{above}{key}")
     else:
         new = _changed(child, rest, put, f"{above}{key}.") if rest else put.value
+    return _with(node, key, new, put)
+
+
+def _own(node: Table) -> list[str]:
+    """A table's own keys: what holds values by their paths is none."""
+    return [name for name in type(node).model_fields if name != PATHS]
+
+
+def _with(node: Table, key: str, new: Any, put: Put) -> Table:
     given = {name: getattr(node, name) for name in node.model_fields_set}
     try:
         return type(node).model_validate(given | {key: new}, context=put.context)
@@ -215,7 +230,7 @@ def _is_container(value: Any) -> bool:
 def _inside(node: Any, path: str) -> str:
     """What goes on from a path that ends at a table, or at several."""
     if isinstance(node, Table):
-        return f"leads to a table; go on with one of its keys: {', '.join(type(node).model_fields)}"
+        return f"leads to a table; go on with one of its keys: {', '.join(_own(node))}"
     if isinstance(node, Mapping):
         return f"leads to several; go on with one of the names or {ALL} for all: {', '.join(node)}"
     first, names = node[0], list(filter(None, map(_name, node)))

@@ -504,6 +504,29 @@ def test_a_key_is_varied_along_one_dimension_whatever_stands_for_it(small, lines
     assert f" and {last}, of which the second would decide alone" in told
 
 
+def test_values_in_high_seas_are_varied_by_their_paths(small):
+    """Tasks in lower seas are the same along them; values that the table lacks, too, by axes and variants."""
+    small.write_text(small.read_text().replace("[sea_states]", "[survival]\nHs = 0.5\n[sea_states]"))
+    study = varied(small, "'survival.floats.*.coulomb' = [1e8, 1e9]", "'survival.left_out' = [[], ['front']]")
+    assert {"coulomb", "left_out"} < set(dimensions(study.content))
+    floats = {"calm": set(), "rough": set()}
+    for task in study.tasks:
+        if task.labels["platform"] != "elastic-no-floats":
+            floats[task.labels["sea_state"]].add(tuple(f.coulomb for f in task.parameters.floats))
+    assert floats == {"calm": {(0.0,)}, "rough": {(1e8,), (1e9,), ()}}
+
+
+@pytest.mark.parametrize(("line", "limit"), [
+    ("'survival.floats.*.coulom' = [1.0]", "leads nowhere; did you mean floats.front.coulomb?"),
+    ("'survival.floats.*.coulomb' = [-1.0]", "must be >= 0"),
+    ("'survival.keys.left_out' = [['front']]", "must be a key of floats, left_out, platform, solver"),
+])  # fmt: skip
+def test_values_in_high_seas_that_cannot_be_are_refused(small, line, limit):
+    small.write_text(small.read_text().replace("[sea_states]", "[survival]\nHs = 0.5\n[sea_states]"))
+    with pytest.raises(StudyError, match=re.escape(limit)):
+        varied(small, line)
+
+
 def test_the_height_from_which_survival_holds_is_no_sea_s(small):
     """An axis beside another one, with its whole path as its name: Hs is that of the seas."""
     text = small.read_text().replace("[sea_states]", "[survival]\nHs = 0.5\n'floats.*.coulomb' = 1e9\n[sea_states]")
