@@ -37,10 +37,27 @@ def agreed(six: Given, floats: Floats, expected: np.ndarray) -> tuple[Given, dic
     each = [(in_long_waves(one, floats, expected), one, note) for one, note in tries]
     if not each[0][0].rows.any():
         return tries[0][0], {UNJUDGED: NOT_LONG}
+    if bodies := _partly_told(six, expected):
+        names = ", ".join(floats.names[b] for b in bodies)
+        text = f"the file lacks motions of {names}, and with them what waves scatter there"
+        return tries[0][0], {UNJUDGED: f"{text}: forces were not judged"}
     long, found, note = min(each, key=lambda of: _misplaced(of[0], of[1], floats, expected))
     if long.off > 1:
         raise InputError(KEY, six.name, misfit(tries[0][0], floats, expected))
     return found, {"note": note} if note else {}
+
+
+def _partly_told(six: Given, expected: np.ndarray) -> list[int]:
+    """Bodies without motions that a file has of others and waves push, or without any: (B - iωA)u lacks their part.
+
+    A near one's may be as large as all of a force, far beyond what long waves leave open. Of bodies that all have heave
+    alone the waves' push on a waterplane is much more than it.
+    """
+    there = six.added_mass.any(axis=(0, 1)).reshape(-1, 6)
+    pushed = np.zeros(there.shape, bool)
+    pushed.flat[felt(expected)] = True
+    lacks = (pushed & ~there & there.any(axis=0)).any(axis=1) | ~there.any(axis=1)
+    return [int(b) for b in np.flatnonzero(lacks)]
 
 
 def _misplaced(long: Long, six: Given, floats: Floats, expected: np.ndarray) -> tuple[bool, float]:
@@ -68,7 +85,8 @@ def _moved(six: Given, sea: Sea, x: float, y: float) -> Given:
 def require_moments(six: Given, floats: Floats, expected: np.ndarray) -> np.ndarray:
     """How far each point of moments (nb, 3) [m] may be from the one told; refused where right files show no such place.
 
-    Long waves show it, and a Froude-Krylov force, where it is told, better: that is held against the hull's, too.
+    Long waves show it, of a file with the motions of all bodies, and a Froude-Krylov force, where it is told, better:
+    that is held against the hull's, too.
     """
     doubt, told = np.zeros((len(floats.names), 3)), [_places(six, floats, expected)]
     if six.froude_krylov is not None:
@@ -114,7 +132,9 @@ def _require_incident(six: Given, floats: Floats, expected: np.ndarray) -> None:
 
 
 def _places(six: Given, floats: Floats, expected: np.ndarray) -> list[tuple[np.ndarray, float]]:
-    """Of each body, see `_place`."""
+    """Of each body, see `_place`; none is off where what is scattered is not known."""
+    if _partly_told(six, expected):
+        return [(np.zeros(3), 0.0)] * len(floats.names)
     exerted = expected + passing(six, floats)
     return [_place(six, floats, expected, exerted, b) for b in range(len(floats.names))]
 
@@ -123,15 +143,17 @@ def _place(six: Given, floats: Floats, expected: np.ndarray, exerted: np.ndarray
     """From where a body's wave moments are about to the point told (3,) [m], and how far that may be of right ones.
 
     With M̂ of what long waves exert, by A and B of the file, M - M̂ = d × F of the incident wave alone: another point
-    shows in what the water passing exerts, too. Judged is the longest wave that pushes along enough to tell a height.
+    shows in what the water passing exerts, too. Judged is the longest wave that pushes along enough to tell a height,
+    of a body all of whose translations that waves push are told: what passes along these has moments as well.
     """
     six_of, k = slice(6 * b, 6 * b + 6), floats.sea.wavenumbers(six.omega)
     force, told = expected[:, six_of][:, :3], six.excitation[:, 0, six_of]
     rows = np.flatnonzero(long_waves(k * max(h.largest_radius for h in floats.hulls)))
     along = np.linalg.norm(force[:, :2], axis=1) > THIN * np.linalg.norm(force, axis=1)
     row = next((i for i in rows if along[i]), rows[-1] if len(rows) else 0)
-    there = np.abs(told).max(axis=0)[3:] > 0  # a file may lack motions
-    place = _lever((told - exerted[:, six_of])[row, 3:], force[row], there, THIN)
+    there = np.abs(told).max(axis=0) > 0  # a file may lack motions
+    known = there[3:] & there[felt(expected[:, six_of])].all()
+    place = _lever((told - exerted[:, six_of])[row, 3:], force[row], known, THIN)
     largest = max(h.size for h in floats.hulls)
     may = PLACED * floats.hulls[b].size + BENT * (k[row] * largest) ** 2 * largest
     return place, float(np.sqrt(len(floats.hulls)) * may)

@@ -862,8 +862,12 @@ def test_motions_that_a_float_cannot_have_may_be_left_out():
 
 def without(given, *dofs):
     """Of motions that a file leaves out."""
-    kept = np.flatnonzero([dof not in dofs for _, dof in given.columns])
-    fewer = {n: getattr(given, n)[:, kept[:, None], kept] for n in ("added_mass", "radiation_damping")}
+    return of_columns(given, [i for i, (_, dof) in enumerate(given.columns) if dof not in dofs])
+
+
+def of_columns(given, kept):
+    """With these alone."""
+    fewer = {n: getattr(given, n)[:, kept][..., kept] for n in ("added_mass", "radiation_damping")}
     forces = {n: f if (f := getattr(given, n)) is None else f[..., kept] for n in ("excitation", "froude_krylov")}
     infinite = given.added_mass_inf[np.ix_(kept, kept)]
     return replace(given, **fewer, **forces, added_mass_inf=infinite, columns=tuple(given.columns[i] for i in kept))
@@ -895,6 +899,76 @@ def test_a_force_on_a_joint_that_a_file_lacks_is_no_number(incident):
     told_of = "coefficients: the file lacks surge of front, so its hinge_force along x is not known"
     assert told_of in records[1].attrs["warnings"]
     assert records[1].variables["motion"][1] == pytest.approx(records[0].variables["motion"][1])
+
+
+WALLED = {
+    "hulls": (
+        Revolution.vertical_cylinder(radius=1.5, draft=3.0, freeboard=1.0),
+        box(length=2.0, width=10.0, height=7.0, draft=6.0),
+    ),
+    "centres": np.array([[0.0, 0.0, 0.0], [3.2, 0.0, 0.0]]),
+    "names": NAMES,
+}
+
+
+@cache
+def by_a_wall():
+    """Of a cylinder before a fixed wall, which halves the push along and adds to that up; with the incident wave's."""
+    along = SEA | {"heading": 0.0}
+    h = solve(WALLED["hulls"], WALLED["centres"], **along, omega=np.linspace(0.5, 4.0, 12), planar=True, panels=108)
+    return h, told(h, froude_krylov=h.froude_krylov[:, None])
+
+
+def held(given, moving=("surge", "heave", "pitch")):
+    """With a second body that is fixed."""
+    return adopted(given, **WALLED, **SEA | {"heading": 0.0}, planar=True, needed=[moving, ()])
+
+
+@pytest.mark.parametrize("incident", [True, False])
+@pytest.mark.parametrize(
+    ("kept", "moving"),
+    [((0, 1, 2), ("surge", "heave", "pitch")), ((0, 1, 2, 4), ("surge", "heave", "pitch")), ((2,), ("pitch",))],
+)
+def test_a_fixed_neighbour_may_lack_motions(kept, moving, incident):
+    """What it scatters is most of the force along on the other, and only its own motions would tell of that."""
+    h, given = by_a_wall()
+    part = of_columns(given if incident else replace(given, froude_krylov=None), list(kept))
+    found, there = held(part, moving), [i for i in kept if i < 3]
+    assert cautions(found)[0].startswith("coefficients: the file lacks motions of rear, and with them what waves")
+    assert found.added_mass[:, there] == pytest.approx(h.added_mass[:, there] * np.isin(np.arange(6), kept))
+    assert found.diffraction[:, there] == pytest.approx(h.diffraction[:, there])
+
+
+def test_beside_a_fixed_neighbour_that_lacks_motions_the_incident_wave_tells_what_is_wrong():
+    _, given = by_a_wall()
+    bare = of_columns(given, [0, 1, 2])
+    wrong = {n: getattr(bare, n).conj() for n in ("excitation", "froude_krylov")}
+    with pytest.raises(InputError, match=r"Froude-Krylov \w+ on front in"):
+        held(replace(bare, **wrong))
+    off = replace(bare, points=np.array([[0.0, 0.0, 0.4], [3.2, 0.0, 0.0]]))
+    with pytest.raises(InputError, match=r"wave moments on front are as about a point .* m or more from the one told"):
+        held(off)
+
+
+def test_what_all_of_a_file_lacks_leaves_its_forces_judged():
+    """Of all motions of both bodies, and of heave alone of both, whose force another sign of time turns round."""
+    _, given = by_a_wall()
+    for kept, moving in ((range(6), ("surge", "heave", "pitch")), ((1, 4), ("heave",))):
+        right = replace(of_columns(given, list(kept)), froude_krylov=None)
+        assert not cautions(held(right, moving))
+        with pytest.raises(InputError, match="wave force"):
+            held(replace(right, excitation=-right.excitation), moving)
+
+
+def test_a_moment_is_not_judged_without_the_translations_of_its_body():
+    """Along which the water passing exerts part of it: of a deep cylinder's pitch alone, about its waterplane."""
+    hulls, at = WALLED["hulls"][:1], np.zeros((1, 3))
+    along = SEA | {"heading": 0.0}
+    h = solve(hulls, at, **along, omega=np.linspace(0.5, 4.0, 12), planar=True, panels=108)
+    found = adopted(of_columns(told(h), [2]), hulls, at, NAMES[:1], **along, planar=True, needed=[("pitch",)])
+    assert found.diffraction[:, 2] == pytest.approx(h.diffraction[:, 2])
+    with pytest.raises(InputError, match="wave moments on front"):
+        adopted(told(h, points=np.array([[0, 0, 0.6]])), hulls, at, NAMES[:1], **along, planar=True)
 
 
 def test_what_pushes_across_the_waves_where_no_mirror_is_is_lacking():
