@@ -136,7 +136,7 @@ def _shaped(case: Case, law: JointLaw) -> tuple[_Round, np.ndarray]:
     excess = _excess(case, law, last)
     for _ in range(SHAPED if excess.any() else 0):
         sigma, kappa = (np.concatenate([np.zeros(nc), x]) for x in (gaussian.spread(last.rate[nm:].T), excess[0]))
-        last, before = _agreed(case, law, shape.change_of_damping(law, sigma, kappa)), excess
+        last, before = _agreed(case, law, shape.more_damping(law, sigma, kappa)), excess
         excess = _excess(case, law, last)
         if np.all(np.abs(excess - before) <= ALIKE):
             break
@@ -144,7 +144,7 @@ def _shaped(case: Case, law: JointLaw) -> tuple[_Round, np.ndarray]:
 
 
 def _agreed(case: Case, law: JointLaw, more: np.ndarray) -> _Round:
-    """The round that agrees with the one before it; more (2, nc + nj): see shape.change_of_damping."""
+    """The round that agrees with the one before it; more (2, nc + nj): see shape.more_damping."""
     model, omega, stations = case.model, case.omega, case.stations
     nm, nc = model.modes.shape[1], case.system.structure.carrier.shape[0]
     height = float(np.abs(case.system.scene.sea.amplitude).sum())
@@ -164,10 +164,10 @@ def _agreed(case: Case, law: JointLaw, more: np.ndarray) -> _Round:
             now = _Sizes(taken, lengths(rate[nm:]))
             taken, before = np.where(held[nm:], least, np.maximum(_next(now, before), least)), now
             rates = rate[nm:] * np.divide(taken, now.given, out=np.ones(taken.size), where=now.given > 0)[:, None]
-            dampers = dampers + quadratic[nc:] * linear_drag.of_lines(rates.T[:, None])[:, 0, 0] + more[1, nc:]
+            dampers = dampers + (1 + more[1, nc:]) * quadratic[nc:] * linear_drag.of_lines(rates.T[:, None])[:, 0, 0]
         if bent:
             length = np.concatenate([np.zeros(nc), lengths(rates)])
-            pto = linearised.damping_of_lines(law, length, single=omega.size == 1)[nc:] + more[0, nc:]
+            pto = (1 + more[0, nc:]) * linearised.damping_of_lines(law, length, single=omega.size == 1)[nc:]
             dampers = dampers + (pto - at_rest)
         damping[joints, joints] = dampers
         X = case.equation.response(push, damping)

@@ -23,6 +23,7 @@ from solver.multibody.of_axes import joint_loads
 
 BINS = 128  # of frequencies up to the highest
 FLATTER = 200  # shapes that are flatter than a Gaussian's
+TALLEST = 4.0  # kurtosis up to which that series is a density
 TINY = 1e-9
 
 
@@ -34,14 +35,15 @@ def excess(law: JointLaw, omega: np.ndarray, V: np.ndarray, mobility: np.ndarray
     kappa = np.zeros((2, sigma.size))
     for i in np.flatnonzero(sigma > 0):
         kappa[:, i] = -24 * third[i] / sigma[i] * _mean_mobilities(omega, np.abs(V[i]) ** 2, mobility[i].real)
-    return np.where(kappa < 0, kappa / (1 - kappa / 2), kappa)
+    return np.where(kappa < 0, kappa / (1 - kappa / 2), np.minimum(kappa, TALLEST))
 
 
-def change_of_damping(law: JointLaw, sigma: np.ndarray, kappa: np.ndarray) -> np.ndarray:
-    """Linear damping (2, n) of power take-offs, and of all else that goes by rate, by κ (n,) of rates of std σ (n,)."""
+def more_damping(law: JointLaw, sigma: np.ndarray, kappa: np.ndarray) -> np.ndarray:
+    """By how much more of it power take-offs damp, and quadratic dampers (2, n), for κ (n,) of rates of std σ (n,)."""
     x = gaussian.SIZES[:, None]
-    more = np.sum((density(kappa) - gaussian.WEIGHTS[:, None]) * x * _loads(law, x * sigma), axis=1)
-    return np.divide(more, sigma, out=np.zeros(more.shape), where=sigma > 0)
+    taken = x * _loads(law, x * sigma)[0]
+    usual, shaped = (np.sum(weights * taken, axis=0) for weights in (gaussian.WEIGHTS[:, None], density(kappa)))
+    return np.stack([np.divide(shaped - usual, usual, out=np.zeros(usual.shape), where=usual > 0), kappa / 8])
 
 
 def _loads(law: JointLaw, rates: np.ndarray) -> np.ndarray:

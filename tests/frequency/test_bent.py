@@ -105,17 +105,17 @@ def test_warped_samples_have_variance_one_and_their_kurtosis(kappa):
 
 
 def test_dampers_take_what_rates_of_a_shape_give_them():
-    """Quadratic ones (1 + κ/8) of that at a Gaussian rate, friction (1 - κ/24); of linear ones a shape changes nothing,
-    and those that work one way are half as much."""
+    """Quadratic ones (1 + κ/8) of that at a Gaussian rate, friction (1 - κ/24), in one sense, too; linear ones the
+    same, and what has both by their shares."""
     kappa, sigma = np.array([-0.5]), np.array([0.3])
-    mean = np.sqrt(2 / np.pi)
-    for law, usual, share in (
-        ({"quadratic_damping": 7.0}, 2 * mean * 7.0 * sigma, 1 / 8), ({"coulomb": 5.0}, mean * 5.0 / sigma, -1 / 24),
-        ({"coulomb": 5.0, "one_way": 1.0}, mean * 5.0 / sigma / 2, -1 / 24), ({"damping": 3.0}, np.array([3.0]), 0.0),
+    half = {"coulomb": 5.0, "pto_damping": np.sqrt(2 / np.pi) * 5.0 / 0.3}
+    for law, share in (
+        ({"coulomb": 5.0}, -1 / 24), ({"coulomb": 5.0, "one_way": 1.0}, -1 / 24), (half, -1 / 48),
+        ({"coulomb": 5.0, "one_way": -0.5}, -1 / 24), ({"pto_damping": 3.0}, 0), ({"damping": 3.0}, 0),
     ):  # fmt: skip
         item = heaving("a", 3.0, **({"pto_damping": 0.0} | law))
-        more = shape.change_of_damping(joint_law((item,)), sigma, kappa).sum(axis=0)
-        assert more == approx(usual * share * kappa, rel=2e-3, abs=1e-9), law
+        pto, quadratic = shape.more_damping(joint_law((item,)), sigma, kappa)
+        assert pto == approx(share * kappa, rel=2e-3, abs=1e-9) and quadratic == approx(kappa / 8), law
 
 
 def test_linear_laws_have_the_statistics_of_lines():
