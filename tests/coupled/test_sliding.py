@@ -155,4 +155,4 @@ def test_waves_too_short_to_be_summed_push_a_float_where_it_is():
         (simulate(each, h), prepare(each, h)) for each, h in ((x, known(x, 0.7, 5.6, 12)) for x in (alone, there))
     )
     assert not system.near.sea.amplitude.any() and np.isfinite(system.bodies.reach).all()
-    assert pulled.variables["hinge_force"][1] == approx(given.variables["hinge_force"][1], rel=1e-3, abs=1.0)
+    assert pulled.variables["hinge_force"][1] == approx(given.variables["hinge_force"][1], rel=1e-3, abs=2.0)

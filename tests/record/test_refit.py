@@ -68,7 +68,7 @@ def test_where_no_fit_comes_as_close_as_is_asked_the_best_there_is_stays(monkeyp
     item = replace(item, floats=floats, settings=replace(item.settings, froude_krylov="linear"))
     usual, fitted = prepare(item, h), refit.prepared(item, h)
     before, after = (coefficient_effects(system, h)[0] for system in (usual, fitted))
-    assert refit.SWAYED < after < 0.5 * before
+    assert refit.SWAYED < after < 0.7 * before
     finer = replace(item, settings=replace(item.settings, time_step=0.02, newton_tolerance=1e-7))
     with monkeypatch.context() as once:
         once.setattr(refit, "_swayed", None)  # runs that are repeated with shorter steps do not seek it again
