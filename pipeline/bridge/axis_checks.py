@@ -118,8 +118,11 @@ def _survival(study: StudyFile) -> Iterator[InputError]:
 
 def _above(study: StudyFile, path: str, together: Mapping[str, object]) -> str:
     """What is wrong with a value that a dimension has for high seas."""
-    values = {_in_high_seas(other): value for other, value in together.items() if _in_high_seas(other)}
-    return _surviving(study, inner, values) if study.survival and (inner := _in_high_seas(path)) else ""
+    inner = _in_high_seas(path)
+    if not (inner and study.survival):
+        return ""
+    beside = {_in_high_seas(other): value for other, value in together.items() if _in_high_seas(other)}
+    return _surviving(study, inner, beside)
 
 
 def _in_high_seas(path: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from solver.frequency import gaussian
-from solver.frequency.shape import density, warped
+from solver.frequency.shape import density, shaped, warped
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import JointLoads, bent, joint_loads
 from solver.statistics import moments
@@ -57,12 +57,12 @@ def borne_table(
     c = np.sum(weights * load(v) * v, axis=0) / variance
     if (rates := of.sampled(V)) is not None and (linear := of.sampled(F)) is not None:
         level = mean + linear - linear.mean(axis=0) + c * rates
-        return moments(level - load(rates if one else size * warped(rates / size, kappa)))  # of loads that may jump
+        return moments(level - load(rates if one else shaped(rates, sigma, kappa)))  # of loads that may jump
     v = sigma * warped(gaussian.SIZES[:, None], kappa)
     f, L = load(v), F + c * V
     c = gaussian.WEIGHTS @ (f * v) / variance
     std = np.sqrt(gaussian.spread(L - c * V) ** 2 + gaussian.WEIGHTS @ (f - c * v) ** 2)
-    fastest = size * warped(gaussian.table(np.zeros(len(c)), V, of)[None, :, 0] / size, kappa)[0]
+    fastest = shaped(gaussian.table(np.zeros(len(c)), V, of)[:, 0], sigma, kappa)
     phase = 0.5 * np.sum((L * V.conj()).real, axis=0) / variance
     off = gaussian.spread(L - phase * V) * fastest / size
     cycle = phase * fastest * COS - load(fastest * COS) + off * SIN
@@ -71,9 +71,7 @@ def borne_table(
 
 def fastest(V: np.ndarray, of: gaussian.Process, kappa: np.ndarray) -> np.ndarray:
     """The largest sizes (n,) of rates of lines V (nl, n) and kurtosis κ (n,) beyond a Gaussian's, in either sense."""
-    sigma = gaussian.spread(V)
-    size = np.where(sigma > 0, sigma, 1.0)
-    return np.asarray(size * warped(gaussian.fastest(V, of) / size, kappa))
+    return shaped(gaussian.fastest(V, of), gaussian.spread(V), kappa)
 
 
 def absorbed_table(load: Load, V: np.ndarray, of: gaussian.Process, kappa: np.ndarray) -> np.ndarray:
@@ -85,9 +83,8 @@ def absorbed_table(load: Load, V: np.ndarray, of: gaussian.Process, kappa: np.nd
     """
     S = gaussian.covariance(V, V)
     sigma = np.sqrt(np.diag(S))
-    size = np.where(sigma > 0, sigma, 1.0)
     if (v := of.sampled(V)) is not None:
-        v = v if len(V) == 1 else size * warped(v / size, kappa)
+        v = v if len(V) == 1 else shaped(v, sigma, kappa)
         return gaussian.tabulated([np.sum(load(v) * v, axis=1, keepdims=True)])[0]
     v = sigma * warped(gaussian.SIZES[:, None], kappa)
     cycle = fastest(V, of, kappa) * COS

@@ -94,15 +94,15 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
     by_rate = response.bends | (drag(law)[nc:] > 0)
     if not by_rate.any():
         return
-    place = channels.owner, [channels.axes.index(name) for name in channels.names]
+    owner, of_lines = channels.owner, {name: lines for name, _, lines in linear}
+    place = owner, [channels.axes.index(name) for name in channels.names]
     for name, kappa in (("pto_rate", response.excess[0]), ("motion", response.excess[1])):
         if name in tables:
             tables[name][place] = reached(tables[name][place], kappa)
     if "rotation" in tables:
         hinged = [name == "hinge" for name in channels.names]
-        turned = channels.owner[hinged]
+        turned = owner[hinged]
         tables["rotation"][turned] = reached(tables["rotation"][turned], response.excess[1, hinged])
-    owner, of_lines = channels.owner, {name: lines for name, _, lines in linear}
     tilts = np.array(scene.carriers)[owner] >= 0
     slides, moved = np.array([name in DOFS[:3] for name in channels.names], bool), ~response.stuck
     for name, which, of, order in (
@@ -128,12 +128,12 @@ def of_squares(case: Case, response: Response, platform: OfPlatform, law: JointL
         z = case.system.equilibrium[0] + case.model.shape @ response.mean.x
         yield "line_tension", tension_table(case, response.Z, z)
     if scene.floats:
-        pto, rates, shaped = response.pto, rate_lines(case, response), response.excess[0] != 0
-        bends = response.bends & ~response.stuck
+        pto, rates = response.pto, rate_lines(case, response)
+        by_law = (response.bends & ~response.stuck) | (response.excess[0] != 0)
         owned = [channels.owner == b for b in range(len(scene.floats))]
         powers = [
             absorbed_table(pto_load(law, _of_law(case, i)), rates[:, i], case.process, response.excess[0, i])
-            if np.any((bends | shaped) & i)
+            if np.any(by_law & i)
             else gaussian.power_table(pto[i], rates[:, i], case.process)
             for i in owned
         ]

@@ -97,8 +97,14 @@ def _variance(weight: np.ndarray, power: np.ndarray) -> np.ndarray:
 
 def reached(table: np.ndarray, kappa: np.ndarray) -> np.ndarray:
     """Statistics (n, 5) of processes with κ (n,), by those of Gaussian ones."""
-    ends, mean, std = table[:, :2].T, table[:, 2], np.where(table[:, 4] > 0, table[:, 4], 1.0)
-    return np.concatenate([(mean + std * warped((ends - mean) / std, kappa)).T, table[:, 2:]], axis=1)
+    mean, std = table[:, 2], table[:, 4]
+    return np.concatenate([(mean + shaped(table[:, :2].T - mean, std, kappa)).T, table[:, 2:]], axis=1)
+
+
+def shaped(x: np.ndarray, sigma: np.ndarray, kappa: np.ndarray) -> np.ndarray:
+    """Samples (…, n) of processes with std σ and κ (n,) where Gaussian ones of that std have x (…, n)."""
+    size = np.where(sigma > 0, sigma, 1.0)
+    return np.asarray(size * warped(x / size, kappa))
 
 
 def warped(u: np.ndarray, kappa: np.ndarray) -> np.ndarray:
