@@ -38,8 +38,8 @@ from solver.statistics import FAINT
 
 STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
 ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
-GROWS = 3.0  # times the last change, which no more rounds make agree
-LAGS, HALFWAY = 0.6, 0.5  # of the last change, from which rounds go to and fro, and how far they go from then on
+GROWS, IN_VAIN = 3.0, 4  # times the least change, and rounds since that, which no more rounds make agree
+BACK = 3  # rounds that the next one goes by
 ROUNDING = 1e-10  # of the linear motions
 AGREED = 0.05  # last change of the harmonics, of what turning changes of them
 
@@ -127,29 +127,28 @@ def turning_effect(
     lattice, omega, length = waves.lattice, waves.omega, case.model.length
     linear = lattice.first(standing.lines(response.X))
     Z = case.model.assembled(omega, waves.against) - 1j * omega[:, None, None] * response.damping
-    mobility = np.linalg.inv(Z[1:])
-    below = np.flatnonzero(np.abs(omega) < case.waves.min())[1:]
-    X, last, share = linear, np.inf, 1.0
-    for _ in range(ROUNDS):
+    onto = np.tile(case.model.shape, (omega.size, 1, 1))
+    onto[1:][np.abs(omega[1:]) < case.waves.min()] @= slow.others
+    mobility = np.linalg.solve(Z[1:], onto[1:].swapaxes(1, 2))
+    X, least, nearest, steps = linear, np.inf, 0, _Steps(length)
+    for rounds in range(ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
             load, wrench = _beyond(case, waves, X)
-        more = load @ case.model.shape
-        more[below] = more[below] @ slow.others
         found = linear.copy()
-        found[0] += case.shift(more[0].real)
-        found[1:] += (mobility @ more[1:, :, None])[..., 0]
+        found[0] += case.shift((load[0] @ onto[0]).real)
+        found[1:] += (mobility @ load[1:, :, None])[..., 0]
         change, whole, size = (np.abs(x * length).max() for x in (found - X, found - linear, linear))
-        if not (change < GROWS * last or change <= ROUNDING * size):
+        if change < least:
+            least, nearest = change, rounds
+        if not (change < GROWS * least or change <= ROUNDING * size) or rounds - nearest == IN_VAIN:
             break
-        if change > LAGS * last:
-            share = HALFWAY
         if change <= max(AGREED * whole, ROUNDING * size):  # of one hinge along its body's axes nothing else is left
             # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
             wrench = case.model.loads(omega, found - X, waves.Y, wrench)
             borne = response.wrench, lattice.first(standing.lines(response.wrench)), wrench
             told, usual, exact = map(case.channels.hinge_force, borne)
             further = found - linear
-            carried = _carried(case, waves, load, more, further)
+            carried = _carried(case, waves, load, (load[:, None] @ onto)[:, 0], further)
             error = max(
                 _of_motions(case, law, waves, response, linear, found, slow),
                 _of_forces(case, waves, told, usual, exact),
@@ -157,8 +156,26 @@ def turning_effect(
             )
             each = (lines.reshape(len(lines), -1) for lines in (told, usual, exact))
             return Effect(error, _extremes(case, waves, standing, *each))
-        X, last = X + share * (found - X), change
+        X = steps.after(X, found)
     return Effect(UNTOLD, 1.0)
+
+
+class _Steps:
+    """From round to round by what the last ones changed (Anderson 1965): of x, and of what x gives, the combination
+    that is nearest to a round that changes nothing."""
+
+    def __init__(self, length: np.ndarray):
+        self.length, self.x, self.off = length, list[np.ndarray](), list[np.ndarray]()
+
+    def after(self, X: np.ndarray, found: np.ndarray) -> np.ndarray:
+        """Where to go from X (nk, n), which gives `found`."""
+        self.x, self.off = [*self.x, X][-BACK - 1 :], [*self.off, found - X][-BACK - 1 :]
+        if len(self.x) == 1:
+            return found
+        went, changed = (np.diff(every, axis=0) for every in (self.x, self.off))
+        ways = (changed * self.length).reshape(len(changed), -1).view(float)
+        share = np.linalg.lstsq(ways.T, ((found - X) * self.length).ravel().view(float))[0]
+        return np.asarray(found - np.tensordot(share, went + changed, 1))
 
 
 def _extremes(

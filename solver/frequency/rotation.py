@@ -202,11 +202,10 @@ def below_the_waves(case: Case, response: Response) -> np.ndarray:
     b = np.tensordot(turns.reshape(len(turns), -1, len(turns)), z, (0, 1)).transpose(1, 2, 0)  # (nz, m, 6nb)
     lever = b @ W.conj().T
     load = 0.5 * (lever + lever.conj().swapaxes(1, 2) + s @ _curvature(resting) @ s.conj().T)[:, i, j]
-    force = _others(case).T @ (model.shape.T @ load)
-    moved, variance = np.linalg.inv(of.Z - 1j * of.omega[:, None, None] * response.damping), np.zeros(len(force))
-    for k, H in enumerate(moved):
+    Z, variance = of.Z - 1j * of.omega[:, None, None] * response.damping, np.zeros(len(model.mass))
+    for k, receptance in enumerate(np.linalg.solve(Z, _others(case).T @ model.shape.T)):
         these = near == k
-        variance += np.abs(H @ force[:, these]) ** 2 @ weight[these] / 2
+        variance += np.abs(receptance @ load[:, these]) ** 2 @ weight[these] / 2
     return variance
 
 

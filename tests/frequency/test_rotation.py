@@ -293,6 +293,17 @@ def test_rounds_that_go_to_and_fro_are_brought_to_agree(name, angle, most):
     assert 2 * little < large < most
 
 
+def test_of_what_is_linear_few_rounds_are_enough():
+    """Where three ways grow, that many differences find what agrees, however long each is."""
+    growth, of = np.diag([1.5, -1.3, -0.8, 0.0]), np.array([1.0, 2e3, 3.0, 4.0])
+    turn = np.linalg.qr(np.vander([1.0, 2.0, 3.0, 4.0]))[0]
+    x, steps = np.zeros((1, 2), complex), harmonics._Steps(np.array([1.0, 1e-3]))
+    for _ in range(5):
+        found = ((turn @ growth @ turn.T) @ x.view(float)[0] + of).view(complex)[None]
+        x = steps.after(x, found)
+    assert x.view(float)[0] == approx(np.linalg.solve(np.eye(4) - turn @ growth @ turn.T, of), rel=1e-9)
+
+
 def test_a_wave_that_no_round_agrees_for_is_not_told():
     item, h = SCENES["duck"]()
     high = linear(replace(item, sea=regular(height=30.0, period=4.0)), method="frequency")
