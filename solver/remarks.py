@@ -11,6 +11,7 @@ from solver.sea.field import wave_field
 from solver.statistics import STATISTICS, of_joints
 
 STEEP = 1.2  # factor by which extremes may exceed those of Gaussian responses
+RINGS = 0.2  # share of a variance by what rings between the waves
 APART = 1.1  # factor by which extremes may miss those of Gaussian rates or forces; of power it is the square
 STRAYED = 0.5  # [rad] of the mean wave that it may go from where linear wave loads have their phases
 SHOVED = 0.1  # times the std of a motion: a mean that counts
@@ -145,9 +146,15 @@ def drag_driven(factor: float, shaken: float, wear: float) -> Iterator[str]:
         )
 
 
-def pulled(factor: float) -> Iterator[str]:
-    """A sentence where steel bears loads of joints that bend, and its extremes are not Gaussian, by a factor."""
-    if max(factor, 1 / factor) > APART:
+def pulled(factor: float, rings: float) -> Iterator[str]:
+    """Sentences where steel bears loads of joints that bend: it rings by a share of its variance, or its extremes exceed
+    Gaussian ones by a factor."""
+    if rings > RINGS:
+        yield (
+            f"platform: {rings:.0%} of the variance of a force or stress is by what joints' loads ring between the"
+            " waves, in bursts: expect the largest up to twice those told, and damage within a factor of ten"
+        )
+    if factor > APART:
         yield (
             "platform: steel bears loads of joints that are not Gaussian: expect its largest forces and stresses, where"
             f" these are most of them, {factor:.2g} times those told, and damage by as much in its ranges"

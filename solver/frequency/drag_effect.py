@@ -113,12 +113,14 @@ def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapp
     driven = p @ tops
     if not driven.any():
         return Effect(0.0, 1.0)
-    shaken = _beyond_waves(platform.X @ tops, waves)
+    # Of one wave drag has its harmonics among what rings; in a sea that is joints' loads alone.
+    of_drag = slice(waves, None if waves == 1 else case.omega.size)
+    shaken = _share(platform.X @ tops, of_drag)
     if waves == 1:
         return Effect(UNSURE * shaken, 1.0)
     if channels.nodes:
         nodes = support.node_shapes.reshape(nm, -1)
-        shaken = max(shaken, _beyond_waves(platform.process.omega[:, None] ** 2 * platform.X @ nodes, waves))
+        shaken = max(shaken, _share(platform.process.omega[:, None] ** 2 * platform.X @ nodes, of_drag))
     error = UNSURE * shaken
     if not np.any(gaussian.spread(driven) ** 2 > LITTLE * std**2):
         return Effect(error, 1.0, shaken)
@@ -144,9 +146,9 @@ def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapp
     return Effect(error, extremes, shaken, wear)
 
 
-def _beyond_waves(lines: np.ndarray, waves: int) -> float:
-    """Largest share of a variance by others than the first lines (nl, n), the waves'."""
-    above, whole = (np.sum(np.abs(x) ** 2, axis=0) for x in (lines[waves:], lines))
+def _share(lines: np.ndarray, some: slice) -> float:
+    """Largest share of a variance by some of lines (nl, n)."""
+    above, whole = (np.sum(np.abs(x) ** 2, axis=0) for x in (lines[some], lines))
     felt = whole > FAINT**2 * whole.max()
     return float(np.max(above[felt] / whole[felt], initial=0.0))
 

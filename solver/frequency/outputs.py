@@ -33,7 +33,8 @@ class OfPlatform(NamedTuple):
     process: gaussian.Process
     X: np.ndarray  # (nl, nm) modes
     frame: Forces
-    extremes: float = 1.0  # of steel to be expected, over those of Gaussian lines
+    extremes: float = 1.0  # of steel to be expected, over those of Gaussian lines, where they are larger
+    rings: float = 0.0  # share of steel's variance by lines that no wave makes, in a sea
 
 
 def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:

@@ -60,20 +60,20 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlat
     if one:
         return platform
     loads = np.concatenate([moved * np.diag(response.damping)[nm + axes], force])
-    return platform._replace(
-        extremes=_extremes(case, load, moved, response.excess[0, axes], loads, platform.frame.lines)
-    )
+    extremes, rings = _beside_gaussian(case, load, moved, response.excess[0, axes], loads, platform.frame.lines)
+    return platform._replace(extremes=extremes, rings=rings)
 
 
-def _extremes(
+def _beside_gaussian(
     case: Case, load: Load, rates: np.ndarray, excess: np.ndarray, loads: np.ndarray, frame: np.ndarray
-) -> float:
-    """Largest ones to be expected of steel over those of Gaussian lines (nl, ny), where that is furthest from 1.
+) -> tuple[float, float]:
+    """Largest ones to be expected of steel over those of Gaussian lines (nl, ny), and the share that rings.
 
-    Where loads' largest are r of those, (1 + s² (r² - 1))^½ of what goes with them by a correlation s.
+    Where loads' largest are r of those, (1 + s² (r² - 1))^½ of what goes with them by a correlation s; not less than 1:
+    what rings comes in bursts, and makes up for what loads that are cut off have less.
     loads (nl, nj): their lines, by rates with an excess of kurtosis (nj,).
     """
-    steel, furthest, of = case.channels.steel, 1.0, case.process
+    steel, largest, rings, of = case.channels.steel, 1.0, 0.0, case.process
     fastest = gaussian.spread(rates) * warped(gaussian.peak(rates, of), excess)
     told = gaussian.spread(loads) * gaussian.peak(loads[: of.omega.size], of)
     more = (load(fastest[None])[0] / told) ** 2 - 1
@@ -81,10 +81,11 @@ def _extremes(
         every = lines.reshape(len(lines), -1)
         size = gaussian.spread(every)
         y = every[:, size > LITTLE * size.max(initial=0.0)]
-        s = gaussian.covariance(y, loads) / np.outer(gaussian.spread(y), gaussian.spread(loads))
-        for each in np.sqrt(1 + s**2 * more).ravel().tolist():
-            furthest = max(furthest, each, key=lambda x: abs(np.log(x)))
-    return furthest
+        std = gaussian.spread(y)
+        s = gaussian.covariance(y, loads) / np.outer(std, gaussian.spread(loads))
+        largest = float(np.max(np.sqrt(1 + s**2 * more), initial=largest))
+        rings = float(np.max((gaussian.spread(y[of.omega.size :]) / std) ** 2, initial=rings))
+    return largest, rings
 
 
 def _harmonics(numbers: np.ndarray, load: np.ndarray) -> np.ndarray:

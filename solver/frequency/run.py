@@ -176,7 +176,7 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
         *_beyond_tables(of),
         *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),
-        *pulled(of.platform.extremes),
+        *pulled(of.platform.extremes, of.platform.rings),
         *([NO_BALANCE] if turning.error == UNTOLD else []),
         *unresolved(case, response),
         *slipping,

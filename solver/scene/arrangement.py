@@ -5,7 +5,8 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from solver.errors import InputError
-from solver.hydrodynamics.hull.standing import stands
+from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.standing import ON_SEABED, stands
 from solver.scene.floats import Float
 from solver.scene.water import STILL_WATER, Water
 from solver.sea.current import Current
@@ -62,8 +63,11 @@ def out_of_place(item: Float, water: Water) -> Iterator[InputError]:
             limit = f"must stay above the seabed, or with motion = [] stand on it with a flat foot: {lowest}"
             yield InputError(key, item.arm, limit)
         else:  # wherever its arm brings it
-            limit = f"must stay above the seabed, {water.depth:g} m, or with motion = [] stand on it"
-            limit += item.in_millimetres
+            limit = f"must stay above the seabed, {water.depth:g} m, or with motion = [] stand on it with a flat foot"
+            if item.hull.draft > (1 + ON_SEABED) * water.depth:
+                limit += item.in_millimetres
+            elif isinstance(item.hull, PanelHull):
+                limit += ", which its mesh must have"
             yield InputError(f"floats.{item.name}.hull", f"a draft of {item.hull.draft:g} m", limit)
     elif abs(z) > STILL_WATER:
         limit = f"must bring the reference point to still water, z = 0; hinge + arm gives z = {z:g} m"

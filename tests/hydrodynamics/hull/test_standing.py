@@ -1,5 +1,6 @@
 """Bodies that stand on the seabed: MacCamy and Fuchs's cylinder, the limit of a narrow gap, what the ground bears."""
 
+import re
 from dataclasses import replace
 from math import inf
 
@@ -13,6 +14,7 @@ from solver.coupled.preparation import prepare
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull.box import box
+from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.standing import stands
 from solver.run import simulate
@@ -112,6 +114,15 @@ def test_what_stands_has_a_flat_foot_and_does_not_move():
     assert not stands(Revolution.profile([(0.0, -6.0), (3.0, -4.0), (3.0, 2.0)]), 6.0)
     with pytest.raises(InputError, match=r"caisson.hull = .*: must stay above the seabed, 6 m, or with motion = \[\]"):
         replace(scene(), floats=(replace(scene().floats[0], motion=("surge",)),))
+    caisson, most = (
+        scene().floats[0],
+        "must stay above the seabed, 6 m, or with motion = [] stand on it with a flat foot",
+    )
+    inclined = CAISSON.vertices + np.outer((CAISSON.vertices[:, 2] == -6.0) & (CAISSON.vertices[:, 0] > 0), (0, 0, 0.1))
+    large = box(length=30.0, width=50.0, height=80.0, draft=60.0), " (hull.scale is 0.001 of a mesh in mm)"
+    for hull, told in ((PanelHull.of(inclined, CAISSON.faces), ", which its mesh must have"), large):
+        with pytest.raises(InputError, match=re.escape(most + told) + "$"):
+            replace(scene(), floats=(replace(caisson, hull=hull),))
     with pytest.raises(InputError, match="the same where a flat foot stands"):
         bem.solve((Revolution.sphere(radius=4.0, draft=6.0),), [[0, 0, 0]], depth=6.0)
     stood, ball = scene().floats
