@@ -147,7 +147,7 @@ def drag_driven(factor: float, shaken: float, wear: float) -> Iterator[str]:
 
 
 def pulled(factor: float, rings: float) -> Iterator[str]:
-    """Sentences where steel bears loads of joints that bend: it rings by a share of its variance, or its extremes exceed
+    """Sentences where steel bears loads of joints that bend, rings by a share of its variance, and its extremes exceed
     Gaussian ones by a factor."""
     if rings > RINGS:
         yield (

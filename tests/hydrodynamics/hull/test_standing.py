@@ -114,10 +114,7 @@ def test_what_stands_has_a_flat_foot_and_does_not_move():
     assert not stands(Revolution.profile([(0.0, -6.0), (3.0, -4.0), (3.0, 2.0)]), 6.0)
     with pytest.raises(InputError, match=r"caisson.hull = .*: must stay above the seabed, 6 m, or with motion = \[\]"):
         replace(scene(), floats=(replace(scene().floats[0], motion=("surge",)),))
-    caisson, most = (
-        scene().floats[0],
-        "must stay above the seabed, 6 m, or with motion = [] stand on it with a flat foot",
-    )
+    caisson, most = scene().floats[0], "above the seabed, 6 m, or with motion = [] stand on it with a flat foot"
     inclined = CAISSON.vertices + np.outer((CAISSON.vertices[:, 2] == -6.0) & (CAISSON.vertices[:, 0] > 0), (0, 0, 0.1))
     large = box(length=30.0, width=50.0, height=80.0, draft=60.0), " (hull.scale is 0.001 of a mesh in mm)"
     for hull, told in ((PanelHull.of(inclined, CAISSON.faces), ", which its mesh must have"), large):
