@@ -298,11 +298,18 @@ class Case:
         held = self.model.floats[0, : self.system.structure.carrier.shape[0]]
         return np.asarray(-held @ (self.model.shape @ x))
 
-    def shift(self, load: np.ndarray, more: np.ndarray | float = 0.0) -> np.ndarray:
+    def shift(self, load: np.ndarray, more: np.ndarray | None = None) -> np.ndarray:
         """C⁻¹ f (n,) of a steady load (n,), with more stiffness (n, n); what nothing holds stays where it is."""
-        pulled, held, n = np.append(load, np.zeros(len(self._held) - load.size)), self._held.copy(), load.size
+        n = load.size
+        if more is None:
+            return np.asarray(self._flexibility[:n, :n] @ load)
+        held = self._held.copy()
         held[:n, :n] += more
-        return np.linalg.solve(held, pulled)[:n]
+        return np.linalg.solve(held, np.append(load, np.zeros(len(held) - n)))[:n]
+
+    @cached_property
+    def _flexibility(self) -> np.ndarray:
+        return np.linalg.inv(self._held)
 
     @cached_property
     def _held(self) -> np.ndarray:

@@ -160,6 +160,7 @@ class _Slowly(NamedTuple):
 
     omega: np.ndarray  # (K,) [rad/s]
     Z: np.ndarray  # (K, n, n) without dampers
+    others: np.ndarray  # (n, nz) of loads on the floats, but for what moves a shape that nothing holds
     width: float  # between waves that stand for all: what resonates more narrowly is damped more, see slow_motions
 
 
@@ -169,7 +170,7 @@ def _slowly(case: Case) -> _Slowly:
     width = float(np.ptp(omega) / min(MANY, omega.size))
     at = np.geomspace(min(width / 3, omega.min()) or omega.min(), omega.min(), BINS)
     Z = model.dynamic_stiffness(at, case.impedance_at(at))
-    return _Slowly(at, Z - 2j * width * at[:, None, None] * model.mass, width)
+    return _Slowly(at, Z - 2j * width * at[:, None, None] * model.mass, _others(case).T @ model.shape.T, width)
 
 
 def below_the_waves(case: Case, response: Response) -> np.ndarray:
@@ -203,7 +204,7 @@ def below_the_waves(case: Case, response: Response) -> np.ndarray:
     lever = b @ W.conj().T
     load = 0.5 * (lever + lever.conj().swapaxes(1, 2) + s @ _curvature(resting) @ s.conj().T)[:, i, j]
     Z, variance = of.Z - 1j * of.omega[:, None, None] * response.damping, np.zeros(len(model.mass))
-    for k, receptance in enumerate(np.linalg.solve(Z, _others(case).T @ model.shape.T)):
+    for k, receptance in enumerate(np.linalg.solve(Z, of.others)):
         these = near == k
         variance += np.abs(receptance @ load[:, these]) ** 2 @ weight[these] / 2
     return variance
