@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from pipeline.report.yearly import MANY, MARK, Table, by_sea, cells, counted, named, of_survivors, realized
+from pipeline.report.yearly import MANY, MARK, Counts, Table, by_sea, cells, counts, named, of_survivors, realized
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,35 +30,38 @@ def table(data: xr.Dataset) -> Table:
 def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     """Of every platform and other label each sea state, as text; of many the worst."""
     values = realized(data, data[VARIABLE].sel(statistic="max", drop=True)).compute()
-    designs = [[*_by_sea(part, labels)] for labels, part in cells(values, VARIABLE, ("tube",))]
+    seas = [*by_sea(values.to_dataset(name=VARIABLE), VARIABLE)]
+    # The first of several is all of them. Of all designs at once: one by one they would cost more than their physics.
+    found = [(sea, _worst(some[VARIABLE])) for sea, some in seas[1:] or seas]
+    every = cells(values, ("tube",))
+    designs = [[_line([*labels, sea], [of.isel(at) for of in worst]) for sea, worst in found] for labels, at in every]
     if len(designs) > MANY:
         designs = [sorted((max(lines) for lines in designs), reverse=True)]
     yield from (line for lines in designs for _, line in lines)
 
 
-def _by_sea(part: xr.Dataset, labels: list[str]) -> Iterator[tuple[float, tuple[str, ...]]]:
-    """Largest of the tubes' means, -inf where there is none, and the line of each sea state."""
-    seas = [*by_sea(part, VARIABLE)]
-    for sea, some in seas[1:] or seas:  # the first of several is all of them
-        each, label = some[VARIABLE], ", ".join(filter(None, [*labels, sea]))
-        each = each.isel(sea_state=0) if "sea_state" in each.dims else each
-        mean = each.mean("seed") if "seed" in each.dims else each
-        if mean.isnull().all():
-            yield -math.inf, (label, *["-"] * (len(HEADER) - 2), counted(each))
-            continue
-        worst = mean.argmax("tube")
-        there = each.isel(tube=worst)
-        tube = named("tube", there["tube"].values.item())
-        figures = _marked(float(mean.max())), _marked(float(there.max()))
-        yield float(mean.max()), (label, tube, *figures, _failing(each, mean), counted(there))
+def _worst(each: xr.DataArray) -> list[xr.DataArray]:
+    """Of the tube of each design with the largest mean in a sea: that, and the largest of any realization; how many
+    tubes there are, fail by their means, and in some realization; `counts`, of the most where no mean is known."""
+    each = each.isel(sea_state=0) if "sea_state" in each.dims else each
+    each = each if "seed" in each.dims else each.expand_dims("seed")
+    mean, largest = each.mean("seed"), each.max("seed")
+    worst, known = mean.fillna(-math.inf).argmax("tube"), mean.notnull().any("tube")
+    tubes = mean.count("tube"), (mean > FAILS).sum("tube"), (largest > FAILS).sum("tube")
+    count = (of.isel(tube=worst).where(known, of.max("tube")) for of in counts(each))
+    return [mean.isel(tube=worst), largest.isel(tube=worst), *tubes, *count]
+
+
+def _line(words: list[str], worst: list[xr.DataArray]) -> tuple[float, tuple[str, ...]]:
+    """Largest of the tubes' means, -inf where there is none, and the line."""
+    mean, largest, tubes, usual, once, *count = (of.item() for of in worst)
+    label = ", ".join(filter(None, words))
+    if math.isnan(mean):
+        return -math.inf, (label, *["-"] * (len(HEADER) - 2), str(Counts(*count)))
+    failing = f"{usual} of {tubes}" + f", {once} in some" * (once > usual)
+    tube = named("tube", worst[0]["tube"].item())
+    return mean, (label, tube, _marked(mean), _marked(largest), failing, str(Counts(*count)))
 
 
 def _marked(number: float) -> str:
     return f"{number:.3g}" + MARK * (number > FAILS)
-
-
-def _failing(each: xr.DataArray, mean: xr.DataArray) -> str:
-    """How many tubes are above by their means, of how many, and how many in some realization, if these are more."""
-    among = [dim for dim in each.dims if dim != "tube"]
-    usual, once = int((mean > FAILS).sum()), int((each.max(among) > FAILS).sum())
-    return f"{usual} of {int(mean.notnull().sum())}" + f", {once} in some" * (once > usual)

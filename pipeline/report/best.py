@@ -147,8 +147,8 @@ def platforms(data: xr.Dataset, variable: str) -> Iterator[tuple[list[str], xr.D
     along which designs differ; none without any."""
     total = powers(data, variable).isel(float=-1, drop=True).compute()
     designs = [dim for dim in total.dims if total.sizes[dim] > 1 and _is_design(data[dim])]
-    for labels, part in cells(total, variable, designs) if designs else ():
-        yield labels, part, designs
+    for labels, place in cells(total, designs) if designs else ():
+        yield labels, total.isel(place).to_dataset(name=variable), designs
 
 
 def seas(part: xr.Dataset, variable: str) -> Iterator[tuple[str, xr.Dataset]]:

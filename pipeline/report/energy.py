@@ -6,15 +6,18 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from pipeline.report.yearly import (
     FAILED,
     HOUR,
     LEVEL,
     MANY,
     YEAR,
+    Counts,
     Table,
     cells,
-    counted,
+    counts,
     failures,
     marked,
     of_part,
@@ -120,12 +123,14 @@ def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
 
 
 def _by_design(data: xr.Dataset, variable: str, word: str, scale: float) -> Iterator[_Design]:
-    for labels, part in cells(powers(data, variable).compute(), variable, ("float",)):
-        found, error, lines = over_seas(part[variable], part), off(part[variable], part), []
-        for name in part["float"].values.tolist():
-            each, power, other = (of.sel({"float": name}) for of in (part[variable], found, error))
-            if each.notnull().any():
-                figures = marked(power.values, other, scale), texts(power.values * YEAR / (1e3 * scale))
-                lines.append((", ".join([*labels, name]), word, *figures[0], *figures[1], counted(each)))
-        total = found.sel(estimate="value").isel(float=-1).fillna(-math.inf)
-        yield _Design(float(total), lines)
+    each = powers(data, variable).compute()
+    # Of all designs at once: one by one they would cost more than their physics.
+    whole = over_seas(each, data), off(each, data), *counts(each)
+    for labels, place in cells(each, ("float",)):
+        power, error, *number = (of.isel(place).transpose("float", ...).values for of in whole)
+        lines = []
+        for name, mean, other, *count in zip(each["float"].values.tolist(), power, error, *number, strict=True):
+            if (of := Counts(*count)).most:
+                figures = marked(mean, other, scale), texts(mean * YEAR / (1e3 * scale))
+                lines.append((", ".join([*labels, name]), word, *figures[0], *figures[1], str(of)))
+        yield _Design(-math.inf if np.isnan(power[-1, 0]) else float(power[-1, 0]), lines)

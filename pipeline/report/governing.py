@@ -51,11 +51,11 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
         components = [dim for dim in COMPONENTS if dim in each.dims]
         places = [dim for dim in each.dims if dim not in (*apart, *components)]
         least = NOTHING * float(each.max())
-        for labels, part in cells(each.transpose(*apart, *components, ...), name, places):
-            if float(part[name].max()) > least:
+        for labels, place in cells(each.transpose(*apart, *components, ...), places):
+            if float((part := each.isel(place)).max()) > least:
                 along = labels[len(apart) :]
                 words = ", ".join(labels[: len(apart)]), " ".join([name, *along])
-                yield *words, *_of_part(part[name], unit(data[name], components, along))
+                yield *words, *_of_part(part, unit(data[name], components, along))
 
 
 def unit(values: xr.DataArray, components: Sequence[Hashable], along: Sequence[object]) -> str:

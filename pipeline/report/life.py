@@ -13,10 +13,11 @@ from pipeline.report.yearly import (
     HOUR,
     LEVEL,
     YEAR,
+    Counts,
     Table,
     by_sea,
     cells,
-    counted,
+    counts,
     failures,
     marked,
     of_part,
@@ -82,21 +83,27 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
             values = realized(data, data[variable])
             if "estimated_error" in data:
                 values = with_errors(data, values, STEEP * data[variable])
-            for labels, part in cells(values.compute(), variable, ("leg", "fibre")):
-                yield from _of_cell(part, variable, labels, end)
+            values = values.compute()
+            every = by_sea(values.to_dataset(name=variable), variable)
+            seas = [(sea, _worst(some[variable], some)) for sea, some in every]
+            for labels, place in cells(values, ("leg", "fibre")):
+                for sea, worst in seas:
+                    yield _line([*labels, sea], [of.isel(place) for of in worst], end)
 
 
-def _of_cell(part: xr.Dataset, variable: str, words: list[str], end: str) -> Iterator[tuple[str, ...]]:
-    for name, some in by_sea(part, variable):
-        found = _lives(some[variable], some)
-        first = found.damage.sel(estimate="value", drop=True)
-        label = ", ".join(filter(None, [*words, name]))
-        if first.isnull().all():
-            yield (label, end, *["-"] * (len(HEADER) - 2))
-            continue
-        worst = first.argmax(["leg", "fibre"])
-        at = found.isel(worst)
-        where = f"{end} of leg {at.leg.values}, fibre {at.fibre.values}"
-        error = off(some[variable], some).isel(worst)
-        yearly, years = marked(at.damage.values, error, 1 / YEAR), texts(at.life.values / HOUR / YEAR)
-        yield label, where, *yearly, *years, counted(some[variable].isel(worst))
+def _worst(each: xr.DataArray, weights: Any) -> list[xr.DataArray]:
+    """Of the fibre of each design with the most damage: that, life, what damage may be off by, and `counts`. Of all
+    designs at once: one by one they would cost more than their physics."""
+    found = _lives(each, weights)
+    worst = found.damage.sel(estimate="value", drop=True).fillna(-1.0).argmax(["leg", "fibre"])
+    return [of.isel(worst) for of in (found.damage, found.life, off(each, weights), *counts(each))]
+
+
+def _line(words: list[str], worst: list[xr.DataArray], end: str) -> tuple[str, ...]:
+    damage, life, error, *count = worst
+    label = ", ".join(filter(None, words))
+    if np.isnan(damage.values[0]):
+        return (label, end, *["-"] * (len(HEADER) - 2))
+    where = f"{end} of leg {damage.leg.values}, fibre {damage.fibre.values}"
+    yearly, years = marked(damage.values, error.values, 1 / YEAR), texts(life.values / HOUR / YEAR)
+    return label, where, *yearly, *years, str(Counts(*count))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import re
-from collections.abc import Collection, Hashable, Iterable, Iterator
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -97,8 +96,7 @@ def failures(values: xr.DataArray) -> xr.DataArray:
     """
     failed = values[FAILED]
     if "sea_state" in failed.dims:
-        first = {key: i for i, key in reversed([*enumerate(_waves(values))])}
-        failed = failed.isel(sea_state=[*first.values()])
+        failed = failed & _of_waves(values, _first)
     return failed.sum(_tasks(failed)).drop_vars(BESIDE, errors="ignore")
 
 
@@ -130,7 +128,7 @@ def _weighted(each: xr.DataArray, weights: Any) -> tuple[xr.DataArray, xr.DataAr
     single = each.coords.get(SINGLE, np.False_)
     each = _by_task(each)
     of, w = _means(each, single), occurrence(weights, each)
-    alike = _of_alike(each, w)
+    alike = _of_waves(each, lambda numbers: _shares(numbers, w.values))
     # Sums over sea states, of which k alike have Σ w alike = alike² together and not Σ w².
     variance = (w * alike * of.variance).sum("sea_state", skipna=False)
     squares = w * alike**3 * (of.variance**2 / (of.number - 1).where(of.number > 1)).where(of.variance != 0, 0.0)
@@ -144,22 +142,31 @@ def _by_task(each: xr.DataArray) -> xr.DataArray:
     return each.expand_dims([dim for dim in ("seed", "sea_state") if dim not in each.dims])
 
 
-def _of_alike(each: xr.DataArray, w: xr.DataArray) -> xr.DataArray:
-    """Weight of all sea states that have the numbers of each, in every realization."""
+def _of_waves(each: xr.DataArray, of: Callable[[np.ndarray], np.ndarray]) -> xr.DataArray:
+    """What sea states are beside those of the same waves, by numbers (..., seed, sea_state) as `of` takes them."""
     import xarray as xr
 
-    total: dict[bytes, float] = {}
-    keys = _waves(each)
-    for key, share in zip(keys, w.values, strict=True):
-        total[key] = total.get(key, 0.0) + share
-    return xr.DataArray([total[key] for key in keys], dims="sea_state")
+    dims: dict[str, Any] = {"input_core_dims": [["seed", "sea_state"]], "output_core_dims": [["sea_state"]]}
+    found: xr.DataArray = xr.apply_ufunc(of, _by_task(each).compute(), **dims)
+    return found
 
 
-def _waves(each: xr.DataArray) -> list[bytes]:
-    """What sea states of the same waves, which are the same tasks, have alike; one without numbers is like no other."""
-    known = each.fillna(np.inf).transpose("sea_state", ...).values  # a number that failed is as another that did
-    rows = known.reshape(len(known), -1)
-    return [row.tobytes() if np.isfinite(row).any() else b"%d" % i for i, row in enumerate(rows)]
+def _alike(numbers: np.ndarray) -> Iterator[np.ndarray]:
+    """Of each sea state those of the same waves (..., sea_state), which are the same tasks; none is like one without
+    numbers. Numbers that are the same by chance, as of floats that take nothing in two storms, have no scatter."""
+    known = np.where(np.isnan(numbers), np.inf, numbers)  # a number that failed is as another that did
+    some = np.isfinite(known).any(axis=-2)
+    yield from ((known == known[..., [i]]).all(axis=-2) & some for i in range(known.shape[-1]))
+
+
+def _shares(numbers: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Weight of all sea states of the same waves as each."""
+    return np.asarray(sum(weight * alike for weight, alike in zip(weights, _alike(numbers), strict=True)))
+
+
+def _first(numbers: np.ndarray) -> np.ndarray:
+    """Which sea states are the first of those of the same waves."""
+    return ~np.stack([alike[..., :i].any(axis=-1) for i, alike in enumerate(_alike(numbers))], axis=-1)
 
 
 def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
@@ -207,13 +214,16 @@ class Table(NamedTuple):
     note: str
 
 
-def cells(values: xr.DataArray, name: str, inner: Collection[Hashable]) -> Iterator[tuple[list[str], xr.Dataset]]:
-    """Labels along all dimensions but the inner ones, realizations and sea states, and the part that has numbers."""
+def cells(values: xr.DataArray, inner: Collection[Hashable]) -> Iterator[tuple[list[str], dict[Hashable, int]]]:
+    """Labels along all dimensions but the inner ones, realizations and sea states, and places, where there are numbers.
+
+    What is reckoned for all of them at once is cut there.
+    """
     outer = [dim for dim in values.dims if dim not in ("seed", "sea_state", *inner)]
-    for labels in itertools.product(*(values[dim].values for dim in outer)):
-        part = values.to_dataset(name=name).sel(dict(zip(outer, labels, strict=True)))
-        if part[name].notnull().any():
-            yield [named(*pair) for pair in zip(outer, labels, strict=True)], part
+    known = values.notnull().any([dim for dim in values.dims if dim not in outer])
+    labels = [[named(dim, label) for label in values[dim].values] for dim in outer]
+    for place in np.argwhere(known.values).tolist():
+        yield [words[i] for words, i in zip(labels, place, strict=True)], dict(zip(outer, place, strict=True))
 
 
 def by_sea(part: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset]]:
@@ -232,13 +242,28 @@ def named(dim: Hashable, label: Any) -> str:
     return f"{dim} {label:g}" if np.issubdtype(type(label), np.number) else str(label)
 
 
+class Counts(NamedTuple):
+    """Numbers of realizations: of the sea states where there are fewest and most, and of those that failed in all."""
+
+    least: Any
+    most: Any
+    failed: Any
+
+    def __str__(self) -> str:
+        least, most, failed = (int(number) for number in self)
+        return f"{least}" + f" to {most}" * (least < most) + f", {failed} failed" * (failed > 0)
+
+
+def counts(values: xr.DataArray) -> Counts:
+    """Numbers of realizations of each place."""
+    number = _by_task(values).notnull().sum("seed")
+    return Counts(number.min("sea_state"), number.max("sea_state"), failures(values))
+
+
 def counted(values: xr.DataArray) -> str:
-    """Numbers of realizations, where there are fewest and where most, and of those that failed in all."""
-    some = values.notnull()
-    count = some.sum("seed") if "seed" in some.dims else some
-    least, most = int(count.min()), int(count.max())
-    failed = int(failures(values).sum())
-    return f"{least}" + f" to {most}" * (least < most) + f", {failed} failed" * (failed > 0)
+    """Numbers of realizations of all places together."""
+    of = counts(values)
+    return str(Counts(of.least.min(), of.most.max(), of.failed.sum()))
 
 
 def of_survivors(lines: Iterable[tuple[str, ...]]) -> str:
@@ -261,7 +286,7 @@ def texts(numbers: np.ndarray) -> list[str]:
     return ["-" if np.isnan(number) else f"{number:z.3g}" for number in numbers]
 
 
-def marked(found: np.ndarray, error: xr.DataArray, scale: float) -> list[str]:
+def marked(found: np.ndarray, error: Any, scale: float) -> list[str]:
     """Value, low and high over scale as text; the value with a mark if it may be off by more."""
     value, *ends = texts(found / scale)
     return [value + MARK * bool(error > found[2] - found[0]), *ends]

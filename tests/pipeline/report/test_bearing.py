@@ -3,9 +3,10 @@
 import numpy as np
 import xarray as xr
 
+from pipeline.report import bearing
 from pipeline.report.bearing import HEADER, NOTE, rows, table
 from pipeline.report.report import answers
-from pipeline.report.yearly import MANY, SURVIVORS
+from pipeline.report.yearly import MANY, SURVIVORS, counts
 
 EACH = [[[0.2, 0.4], [0.3, 0.1]], [[0.8, 1.5], [0.7, 1.2]], [[1.4, 1.1], [0.5, 0.7]]]  # sea, seed, tube
 
@@ -53,4 +54,17 @@ def test_realizations_that_failed_are_told():
     data.utilisation[1, 1] = data.utilisation[2] = np.nan
     told = table(data)
     assert told.lines[1][2:] == ("1.5 *", "1.5 *", "1 of 2", "1, 1 failed") and SURVIVORS in told.note
-    assert told.lines[2][:5] == ("long", "-", "-", "-", "-")
+    assert told.lines[2] == ("long", "-", "-", "-", "-", "0, 2 failed")  # as many of each tube
+
+
+def test_designs_are_reckoned_at_once_and_each_has_the_lines_that_it_has_alone(monkeypatch):
+    """Wherever the worst tube is, or none is known."""
+    reckoned = []
+    monkeypatch.setattr(bearing, "counts", lambda each: reckoned.append(each) or counts(each))
+    data = xr.concat([dataset(), dataset(2 * np.array(EACH)[..., ::-1]), dataset()], "sample")
+    data = data.assign_coords(sample=[0, 1, 2])
+    data.utilisation[2, 0] = data.utilisation[2, 1, 1] = np.nan
+    alone = [line for i in range(3) for line in rows(data.isel(sample=[i]))]
+    reckoned.clear()
+    assert list(rows(data)) == alone and len(reckoned) == 3
+    assert alone[6][1:] == ("-", "-", "-", "-", "0, 2 failed") and alone[7][1:3] == ("brace", "1.5 *")

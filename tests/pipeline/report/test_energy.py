@@ -10,9 +10,9 @@ from pytest import approx
 from rich.console import Console
 from scipy import stats
 
-from pipeline.report import best
+from pipeline.report import best, energy
 from pipeline.report.energy import ALL, energies, rows, table
-from pipeline.report.yearly import MANY, OFF, ROWS, SURVIVORS, Table, show
+from pipeline.report.yearly import MANY, OFF, ROWS, SURVIVORS, Table, over_seas, show
 
 README = Path(__file__).parents[3] / "studies" / "README.md"
 HOURS = 365.25 * 24
@@ -94,6 +94,25 @@ def test_of_many_designs_all_floats_come_first_those_with_the_most_power_on_top(
     assert lines[2 * MANY + 2 :] == parts
     few = [line[0] for line in rows(data.isel(sample=slice(MANY)))]
     assert few[:3] == ["sample 0, front", "sample 0, rear", f"sample 0, {ALL}"]
+
+
+def test_designs_are_reckoned_at_once_and_each_has_the_lines_that_it_has_alone(monkeypatch):
+    """Where sea states are the same waves in one of them alone, as well; and where a realization failed."""
+    rng, reckoned = np.random.default_rng(4), []
+    monkeypatch.setattr(energy, "over_seas", lambda *given: reckoned.append(given) or over_seas(*given))
+    each = rng.lognormal(7, 1, (3, 3, 3, 2))
+    each[0, 1] = each[0, 0]
+    each[2, :2, 0] = each[2, 2, 1] = np.nan
+    data = xr.concat([dataset(one, (3.0, 1.0, 2.0)) for one in each], "pto_damping")
+    status = np.where(np.isnan(each).any(axis=-1), "failed", "done")
+    data = data.assign(status=(("pto_damping", "sea_state", "seed"), status)).assign_coords(pto_damping=[1.0, 2.0, 3.0])
+    alone = [line for i in range(3) for line in rows(data.isel(pto_damping=[i]))]
+    reckoned.clear()
+    assert list(rows(data)) == alone and len(reckoned) == 1
+    assert [line[-1] for line in alone[::3]] == ["3", "3", "2, 3 failed"]
+    twins = energies(data.isel(pto_damping=[0])).power  # of one with both weights
+    single = energies(data.isel(pto_damping=[0], sea_state=[0, 2]), weights=[4.0, 2.0]).power
+    assert twins.values == approx(single.values)
 
 
 def test_a_single_float_and_a_single_realization():
