@@ -125,9 +125,9 @@ def rows(data: xr.Dataset, scale: float = 1e3) -> Iterator[tuple[str, ...]]:
 def _by_design(data: xr.Dataset, variable: str, word: str, scale: float) -> Iterator[_Design]:
     each = powers(data, variable).compute()
     # Of all designs at once: one by one they would cost more than their physics.
-    whole = over_seas(each, data), off(each, data), *counts(each)
+    whole = [of.transpose("float", ...).variable for of in (over_seas(each, data), off(each, data), *counts(each))]
     for labels, place in cells(each, ("float",)):
-        power, error, *number = (of.isel(place).transpose("float", ...).values for of in whole)
+        power, error, *number = (of.isel(place).values for of in whole)
         lines = []
         for name, mean, other, *count in zip(each["float"].values.tolist(), power, error, *number, strict=True):
             if (of := Counts(*count)).most:

@@ -11,6 +11,7 @@ import sys
 import time
 import warnings
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -37,6 +38,8 @@ from pipeline.study.reading import StudyError
 from pipeline.tasks.task import expand
 from solver.coupled.pieces.fine import Fine
 from solver.errors import InputError
+
+README = Path(__file__).parents[3] / "pipeline" / "README.md"
 
 
 def campaign(path, results, engine, **how):
@@ -777,6 +780,33 @@ def changed(small, tmp_path, engine):
         return dataset.loaded(dataset.collect(study, store)[0])
 
     return collect
+
+
+def test_parts_of_a_study_open_together(small, tmp_path, engine):
+    """By the readme's call, which keeps what each part has of its sea; of attributes it has the first part's."""
+    (call,) = re.findall(r"^    parts = (xr\.open_mfdataset\(.*?\))$", README.read_text(encoding="utf-8"), re.M | re.S)
+    words, paths, both = small.read_text(), [], 'sea_state = ["calm", "rough"]\n'
+    rough = words.replace(both, 'sea_state = ["rough"]\n')
+    calm = re.sub("^rough = .*$", "", words.replace(both, ""), flags=re.M)  # whose one sea state is no dimension
+    for name, step, part in (("calm", 0.2, calm), ("rough", 0.1, rough)):
+        (file := small.with_name(f"many-{name}.toml")).write_text(part)
+        told = replace(engine, compute=lambda *given, step=step: stepped(engine.compute(*given), step))
+        study, _, store, _, _ = run(file, tmp_path / "results", told, workers=1)
+        paths.append(str(dataset.collect(study, store)[0]))
+    with eval(call.replace('"results/many-*/statistics.nc"', "paths"), {"xr": xr, "paths": paths}) as data:
+        assert data.sea_state.values.tolist() == ["calm", "rough"] and data.attrs["time_step"] == 0.2
+        for i, path in enumerate(paths):
+            with xr.open_dataset(path) as one:
+                assert ("sea_state" in one.dims) == bool(i)
+                for known in ("Hs", "rotation", "status"):
+                    alone = one[known].isel(sea_state=0, missing_dims="ignore")
+                    together = data[known].isel(sea_state=i).transpose(*alone.dims)
+                    np.testing.assert_array_equal(together.values, alone.values)
+
+
+def stepped(record, step):
+    record.attrs["time_step"] = step
+    return record
 
 
 def test_a_knob_is_an_attribute_unless_tasks_differ(changed):
