@@ -25,7 +25,7 @@ BENDING_XY, BENDING_XZ = [1, 5, 7, 11], [2, 4, 8, 10]
 FLIP = np.outer([1, -1, 1, -1], [1, -1, 1, -1])  # θy = -dw/dx
 VERTICAL = 1e-4  # sine of the angle to z below which a member counts as vertical
 LOOSE = 1e-12  # of a scaled stiffness: nothing holds
-GAUSS_2 = np.polynomial.legendre.leggauss(2)
+GAUSS_2, GAUSS_3 = map(np.polynomial.legendre.leggauss, (2, 3))
 Shear = Sequence[float] | np.ndarray  # φ in the planes xy and xz
 NO_SHEAR = (0.0, 0.0)
 
@@ -127,19 +127,19 @@ def condensed_stiffness(K: np.ndarray, C: np.ndarray, springs: np.ndarray) -> np
     return C.T @ K @ C + apart.T @ (springs[:, None] * apart)
 
 
-def geometric_stiffness(N: float, L: float, shear: Shear = NO_SHEAR) -> np.ndarray:
-    """Consistent geometric stiffness [N/m, N, N m], (12, 12): twice the work ½∫N v'² dx, tension N > 0. With φ = 0
+def geometric_stiffness(N: Sequence[float], L: float, shear: Shear = NO_SHEAR) -> np.ndarray:
+    """Consistent geometric stiffness [N/m, N, N m], (12, 12): twice the work ½∫N v'² dx, tension N > 0, as N (2,) goes
+    evenly from one end to the other. Of one all along and φ = 0 it is
 
     N/30L [36 3L -36 3L; 3L 4L² -3L -L²; -36 -3L 36 -3L; 3L -L² -3L 4L²] in each plane.
 
     Bending only: the twist of a compressed bar (N Ip/A) does not govern tubes and solid sections.
     """
+    stations, weights = (GAUSS_3[0] + 1) / 2, GAUSS_3[1] / 2
 
     def bend(phi: float) -> np.ndarray:
-        a, b = 36 + 60 * phi + 30 * phi**2, 3 * L
-        c, d = (4 + 5 * phi + 2.5 * phi**2) * L**2, (1 + 5 * phi + 2.5 * phi**2) * L**2
-        rows = np.array([[a, b, -a, b], [b, c, -b, -d], [-a, -b, a, -b], [b, -d, -b, c]])
-        return N / (30 * L) * rows / (1 + phi) ** 2
+        slopes = np.array([_slope(s, L, phi) for s in stations])
+        return L * (slopes.T * weights * (N[0] + (N[1] - N[0]) * stations)) @ slopes
 
     return _from_planes(0, 0, bend(shear[0]), bend(shear[1]))
 
@@ -167,6 +167,13 @@ def _deflection(s: float, L: float, phi: float) -> np.ndarray:
     """Shape functions of (v1, ψ1, v2, ψ2) at station s: Hermite's cubics where φ = 0."""
     first = [1 - 3 * s**2 + 2 * s**3 + phi * (1 - s), L * (s - 2 * s**2 + s**3 + phi / 2 * (s - s**2))]
     second = [3 * s**2 - 2 * s**3 + phi * s, L * (s**3 - s**2 - phi / 2 * (s - s**2))]
+    return np.array(first + second) / (1 + phi)
+
+
+def _slope(s: float, L: float, phi: float) -> np.ndarray:
+    """Its derivative along x (4,) [1/m, -]."""
+    first = [(6 * (s**2 - s) - phi) / L, 1 - 4 * s + 3 * s**2 + phi * (0.5 - s)]
+    second = [-first[0], 3 * s**2 - 2 * s - phi * (0.5 - s)]
     return np.array(first + second) / (1 + phi)
 
 

@@ -24,11 +24,12 @@ def dynamic_model(
     model = replace(model, M=model.M + water.inner_mass(model, density) + water.growth_mass(model))
     load = water.static_load(model, density, gravity)
     at_rest = statics.static(model, load)
-    factor = statics.buckling_factor(model, load, gravity)
+    N = statics.axial_force(model, at_rest, water.spread_load(model, density, gravity))
+    factor = statics.buckling_factor(model, N, gravity)
     if softened:
         if factor <= 1:
             raise InputError("platform.geometric_stiffness", True, f"gravity is {1 / factor:.2f} times the Euler load")
-        model = statics.with_geometric_stiffness(model, at_rest, gravity)
+        model = statics.with_geometric_stiffness(model, N, gravity)
         at_rest = statics.static(model, load)
     return model, at_rest, factor
 

@@ -70,31 +70,31 @@ def _factors(model: FrameModel) -> SuperLU:
     return splu(model.K[model.free][:, model.free].tocsc())
 
 
-def axial_force(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
-    """Mean axial force of each element, tension positive: EA/L (u2 - u1) [N], (ne,)."""
+def axial_force(model: FrameModel, displacement: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """Axial force at both ends of each element, tension positive [N], (ne, 2): EA/L (u2 - u1) and what its load between
+    them, spread (ne, 12) in local axes, adds at one and takes at the other.
+    """
     ends = displacement.reshape(-1, 6)[model.elements, :3]
     for e, arms in model.levers.items():
         ends[e] += np.cross(displacement.reshape(-1, 6)[model.elements[e], 3:], arms)
     stretch = np.einsum("ei,ei->e", ends[:, 1] - ends[:, 0], model.rotation[:, 0])
-    return model.axial * stretch
+    return (model.axial * stretch)[:, None] + spread[:, [0, 6]] * [1.0, -1.0]
 
 
-def _element_geometric(model: FrameModel, displacement: np.ndarray) -> np.ndarray:
-    """Of each element, (ne, 12, 12) in local axes."""
-    parts = zip(axial_force(model, displacement), model.length, model.shear, strict=True)
-    elements = [beam.geometric_stiffness(N, L, shear) for N, L, shear in parts]
+def _element_geometric(model: FrameModel, N: np.ndarray) -> np.ndarray:
+    """Of each element, (ne, 12, 12) in local axes, by the axial force at its ends (ne, 2)."""
+    parts = zip(N, model.length, model.shear, strict=True)
+    elements = [beam.geometric_stiffness(ends, L, shear) for ends, L, shear in parts]
     return np.array([model.released(e, Kg, both=True) for e, Kg in enumerate(elements)])
 
 
-def _geometric(model: FrameModel, displacement: np.ndarray, elements: np.ndarray, g: float) -> sparse.csr_array:
+def _geometric(model: FrameModel, N: np.ndarray, elements: np.ndarray, g: float) -> sparse.csr_array:
     """Kg of elements (ne, 12, 12), of rigid offsets and of the point masses' levers, sparse (6n, 6n)."""
     size = 6 * len(model.xyz)
     Kg = scatter(elements, model.transform, model.dofs, size)
     levers = [(model.node_index[m.node], [0, 0, -m.mass * g], m.cog) for m in model.frame.masses if any(m.cog)]
-    N = axial_force(model, displacement) if model.levers else np.zeros(0)
     for e, arms in model.levers.items():  # the element pulls its nodes towards each other
-        pull = N[e] * model.rotation[e, 0]
-        levers += zip(model.elements[e], (pull, -pull), arms, strict=True)
+        levers += zip(model.elements[e], np.outer(N[e] * (1, -1), model.rotation[e, 0]), arms, strict=True)
     return Kg + on_nodes([(node, _tilting(*by)) for node, *by in levers], size) if levers else Kg
 
 
@@ -112,22 +112,21 @@ def _tilting(force: ArrayLike, arm: ArrayLike) -> np.ndarray:
     return K
 
 
-def with_geometric_stiffness(model: FrameModel, displacement: np.ndarray, g: float) -> FrameModel:
-    """The model with K + Kg of a static displacement: compression softens it."""
-    elements = _element_geometric(model, displacement)
-    return replace(model, K=model.K + _geometric(model, displacement, elements, g), element_geometric=elements)
+def with_geometric_stiffness(model: FrameModel, N: np.ndarray, g: float) -> FrameModel:
+    """The model with K + Kg of axial forces N (ne, 2): compression softens it."""
+    elements = _element_geometric(model, N)
+    return replace(model, K=model.K + _geometric(model, N, elements, g), element_geometric=elements)
 
 
-def buckling_factor(model: FrameModel, load: np.ndarray, g: float) -> float:
-    """Smallest λ > 0 with det(K + λ Kg) = 0 under λ times the load; inf if it never buckles.
+def buckling_factor(model: FrameModel, N: np.ndarray, g: float) -> float:
+    """Smallest λ > 0 with det(K + λ Kg) = 0 under λ times the load that makes N (ne, 2); inf if it never buckles.
 
     1/λ is the largest eigenvalue of -Kg x = μ K x. Below 1 the load exceeds the Euler load.
     """
     free = model.free
-    displacement = static(model, load)
-    if _pulled(model, axial_force(model, displacement)):
+    if _pulled(model, N):
         return np.inf
-    Kg = _geometric(model, displacement, _element_geometric(model, displacement), g)[free][:, free]
+    Kg = _geometric(model, N, _element_geometric(model, N), g)[free][:, free]
     K = model.K[free][:, free]
     if free.size > lanczos.DENSE:
         found = lanczos.largest(lambda x: -_factors(model).solve(Kg @ x), K, 1, PULLED)
@@ -139,6 +138,6 @@ def buckling_factor(model: FrameModel, load: np.ndarray, g: float) -> float:
 
 
 def _pulled(model: FrameModel, N: np.ndarray) -> bool:
-    """Whether axial forces N (ne,) leave nothing compressed but by rounding, and no lever can tilt."""
+    """Whether axial forces N (ne, 2) leave nothing compressed but by rounding, and no lever can tilt."""
     arms = bool(model.levers) or any(any(m.cog) for m in model.frame.masses)
     return not arms and bool(N.min() >= -ROUNDING * np.abs(N).max())

@@ -103,8 +103,10 @@ def test_geometric_stiffness_is_the_integral_of_the_slopes(shear):
         slope = (shift[0] - 8 * shift[1] + 8 * shift[2] - shift[3]) / (12 * h * L)
         return -7e4 * slope.T @ slope
 
-    Kg = beam.geometric_stiffness(-7e4, L, shear)
+    Kg = beam.geometric_stiffness((-7e4, -7e4), L, shear)
     assert pytest.approx(integral(slopes), abs=ROUNDING * np.abs(Kg).max()) == Kg
+    Kg = beam.geometric_stiffness((0.0, -7e4), L, shear)
+    assert pytest.approx(integral(lambda s: s * slopes(s)), abs=ROUNDING * np.abs(Kg).max()) == Kg
 
 
 def test_an_unyielding_section_is_euler_bernoullis_with_rotary_inertia():

@@ -17,6 +17,7 @@ from solver.structure.frame_model import assemble
 from solver.structure.members import Member, PointLoad, PointMass
 from solver.structure.sections import tube
 from tests.awkward import bare_legs
+from tests.structure.axial import pushed
 
 W = 9.81
 ROUNDING = 1e-6  # of K, whose entries are (200 elements)³ times a pile's stiffness, by one method or the other
@@ -105,7 +106,7 @@ def test_they_are_the_same_to_the_bit(steel, pipe):
 def test_large_frames_buckle_at_the_same_load(steel, pipe, by_lapack):
     """A tower under its weight; a column that a stay pulls a thousand times as hard; pulled alone, with a lever."""
     model = tower(steel, pipe, 4, 4)
-    weight = statics.gravity_load(model, W)
+    weight = pushed(model, statics.gravity_load(model, W), statics.self_weight(model, W))
     factor = statics.buckling_factor(model, weight, W)
     assert factor == pytest.approx(by_lapack(statics.buckling_factor, model, weight, W), rel=ROUNDING)
     mast = Member(name="mast", start="foot", end="top", elements=150, section=pipe, material=steel)
@@ -114,7 +115,7 @@ def test_large_frames_buckle_at_the_same_load(steel, pipe, by_lapack):
     held = {"low": (0, 0, 0, 1e9, 1e9, 1e9), "foot": (1e9, 1e9, 1e6, 1e9, 1e9, 1e9)}
     loads = PointLoad(node="low", force=(0, 0, -1e6)), PointLoad(node="top", force=(0, 0, -1e3))
     model = assemble(Frame(nodes=nodes, members=(mast, stay), foundation=held, loads=loads))
-    load = statics.point_load(model)
+    load = pushed(model, statics.point_load(model))
     factor = statics.buckling_factor(model, load, W)
     assert 1e3 * factor == pytest.approx(np.pi**2 * steel.E * pipe.Iy / (4 * 12**2), rel=5e-2)  # on its springs
     assert factor == pytest.approx(by_lapack(statics.buckling_factor, model, load, W), rel=1e-5)
@@ -128,16 +129,16 @@ def test_large_frames_buckle_at_the_same_load(steel, pipe, by_lapack):
     )
     for frame in (pulled, replace(pulled, masses=())):
         model = assemble(frame)
-        assert statics.buckling_factor(model, statics.point_load(model), W) == np.inf
+        assert statics.buckling_factor(model, pushed(model, statics.point_load(model)), W) == np.inf
 
 
 def test_a_large_frame_beyond_its_euler_load_is_refused(line, steel, pipe):
     euler = np.pi**2 * steel.E * pipe.Iy / (4 * 12.0**2)
     for times in (1.1, 9.5):  # and beyond the next one
         model = line(200, end=(0, 0, 12.0), loads=(PointLoad(node="end", force=(0, 0, -times * euler)),))
-        load = statics.point_load(model)
+        load = pushed(model, statics.point_load(model))
         assert statics.buckling_factor(model, load, W) == pytest.approx(1 / times, rel=1e-4)
-        softened = statics.with_geometric_stiffness(model, statics.static(model, load), W)
+        softened = statics.with_geometric_stiffness(model, load, W)
         for either in (lambda *of: modes.modes(*of, 6), modes.frequencies):
             with pytest.raises(InputError, match=r"must be > 0: the frame buckles"):
                 either(softened.K, softened.M, softened.free)

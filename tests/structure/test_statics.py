@@ -11,8 +11,10 @@ from solver.errors import InputError
 from solver.structure import recovery, statics, water
 from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
+from solver.structure.in_water import dynamic_model
 from solver.structure.members import Member, PointLoad, PointMass
 from solver.structure.sections import general, solid_rectangle, tube
+from tests.structure.axial import pushed
 
 ROUNDING = 1e-8  # K of fine meshes is conditioned about 1e7: 1e-16 becomes 1e-9
 TIP_LOAD = (3e3, -2e3, 5e3)
@@ -393,7 +395,7 @@ def euler_load(steel, pipe):
 def test_cantilever_buckles_at_eulers_load_to_fourth_order(line, steel, pipe):
     meshes = np.array([1, 2, 4, 8])
     column = [line(n, end=(0, 0, 12), loads=(PointLoad(node="end", force=(0, 0, -1e3)),)) for n in meshes]
-    load = [1e3 * statics.buckling_factor(m, statics.point_load(m), W) for m in column]
+    load = [1e3 * statics.buckling_factor(m, pushed(m, statics.point_load(m)), W) for m in column]
     error = np.array(load) / euler_load(steel, pipe) - 1
     # Consistent matrices bound the load from above, by (kh)⁴/720.
     assert error[-1] == pytest.approx((np.pi / 2 / 8) ** 4 / 720, rel=0.05)
@@ -408,7 +410,7 @@ def test_a_shearing_column_buckles_at_engessers_load(line, steel, pipe):
     meshes = np.array([8, 16, 32])
     push = (PointLoad(node="end", force=(0, 0, -1e3)),)
     column = [line(n, end=(0, 0, 12), section=section, loads=push) for n in meshes]
-    load = [1e3 * statics.buckling_factor(m, statics.point_load(m), W) for m in column]
+    load = [1e3 * statics.buckling_factor(m, pushed(m, statics.point_load(m)), W) for m in column]
     error = np.array(load) / (euler / (1 + euler / kGA)) - 1
     assert 0 < error[-1] < 1e-4
     assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-2, abs=0.1)
@@ -426,7 +428,7 @@ def test_a_column_between_pins_buckles_at_eulers_load(line, steel, pipe):
     for n in meshes:
         column = Member(name="column", start="start", end="end", elements=n, section=pipe, material=steel, **pins)
         model = assemble(Frame(nodes=nodes, members=(column,), loads=push, masses=base, **slide))
-        load.append(1e3 * statics.buckling_factor(model, statics.point_load(model), W))
+        load.append(1e3 * statics.buckling_factor(model, pushed(model, statics.point_load(model)), W))
     error = np.array(load) / (np.pi**2 * steel.E * pipe.Iy / 12**2) - 1
     assert 0 < error[-1] < 1e-5
     assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-4, abs=0.2)
@@ -441,7 +443,7 @@ def test_a_weight_on_a_lever_buckles_its_column_sooner(line, steel, pipe, height
         material=replace(steel, density=1e-6),
         masses=(PointMass(node="end", mass=1e3, cog=(0, 0, height)),),
     )
-    factor = statics.buckling_factor(model, statics.gravity_load(model, W), W)
+    factor = statics.buckling_factor(model, pushed(model, statics.gravity_load(model, W)), W)
     k = brentq(lambda k: np.cos(12 * k) - k * height * np.sin(12 * k), 1e-6, np.pi / 12)
     assert factor * 1e3 * W == pytest.approx(k**2 * steel.E * pipe.Iy, rel=1e-4)
 
@@ -452,23 +454,27 @@ def test_a_column_with_a_rigid_end_buckles_sooner(line, steel, pipe, offset):
     h, push = 3.0, (PointLoad(node="end", force=(0, 0, -1e3)),)
     arm = {"end_offset": (0, 0, -h)} if offset == "end" else {"start_offset": (0, 0, h)}
     model = line(8, end=(0, 0, 12), loads=push, **arm)
-    factor = statics.buckling_factor(model, statics.point_load(model), W)
+    factor = statics.buckling_factor(model, pushed(model, statics.point_load(model)), W)
     k = brentq(lambda k: np.cos(9 * k) - k * h * np.sin(9 * k), 1e-6, np.pi / 9) if offset == "end" else np.pi / 18
     assert factor * 1e3 == pytest.approx(k**2 * steel.E * pipe.Iy, rel=1e-4)
 
 
 def test_a_pulled_column_never_buckles(line):
     model = line(4, end=(0, 0, 12), loads=(PointLoad(node="end", force=(0, 0, 1e3)),))
-    assert statics.buckling_factor(model, statics.point_load(model), W) == np.inf
+    assert statics.buckling_factor(model, pushed(model, statics.point_load(model)), W) == np.inf
 
 
 def test_own_weight_buckles_a_column_at_greenhills_height(line, steel, pipe):
-    model = line(16, end=(0, 0, 12))
-    factor = statics.buckling_factor(model, statics.gravity_load(model, W), W)
-    w = steel.density * pipe.area * W
-    # Greenhill: w L³ / EI = 9/4 j², j = 1.866350859 the first zero of J_{-1/3}. The force is
-    # constant in each element (its mean), so second order: 16 elements leave about 1e-3.
-    assert factor * w * 12**3 / (steel.E * pipe.Iy) == pytest.approx(9 / 4 * 1.866350859**2, rel=2e-3)
+    """w L³ / EI = 9/4 j², j = 1.866350859 the first zero of J_{-1/3} (Greenhill 1881), to fourth order."""
+    w, meshes, error = steel.density * pipe.area * W, np.array([4, 8, 16]), []
+    for n in meshes:
+        model = line(n, end=(0, 0, 12))
+        N = pushed(model, statics.gravity_load(model, W), statics.self_weight(model, W))
+        factor = statics.buckling_factor(model, N, W)
+        assert dynamic_model(model.frame, 1e3, W, softened=False)[2] == pytest.approx(factor)
+        error.append(factor * w * 12**3 / (steel.E * pipe.Iy) / (9 / 4 * 1.866350859**2) - 1)
+    assert 0 < error[-1] < 1e-6
+    assert np.polyfit(np.log(meshes), np.log(error), 1)[0] == pytest.approx(-4, abs=0.1)
 
 
 def test_compression_softens_and_tension_stiffens(line, steel, pipe):
@@ -476,7 +482,7 @@ def test_compression_softens_and_tension_stiffens(line, steel, pipe):
         force = (1e3, 0, axial)
         model = line(8, end=(0, 0, 12), loads=(PointLoad(node="end", force=force),))
         load = statics.point_load(model)
-        softened = statics.with_geometric_stiffness(model, statics.static(model, load), 9.81)
+        softened = statics.with_geometric_stiffness(model, pushed(model, load), 9.81)
         return statics.static(softened, load)[model.translations("end")[0]]
 
     # Beam-column under a tip load: δ = P/(N k) (tan kL - kL), k² = N/EI (Timoshenko & Gere, 1.28).
@@ -488,7 +494,9 @@ def test_compression_softens_and_tension_stiffens(line, steel, pipe):
 
 
 def test_axial_force_is_the_section_force(steel, pipe):
+    """At both ends of each element, of weight along it, too."""
     model = portal(steel, pipe, np.eye(3))
-    displacement = statics.static(model, statics.point_load(model))
-    forces = (recovery.section_force_matrix(model) @ displacement).reshape(-1, 2, 6)
-    assert statics.axial_force(model, displacement) == pytest.approx(forces[:, 1, 0], rel=1e-6)
+    load, weight = statics.point_load(model) + statics.gravity_load(model, W), statics.self_weight(model, W)
+    forces = recovery.section_forces(model, statics.static(model, load), weight).reshape(-1, 2, 6)
+    N = pushed(model, load, weight)
+    assert pytest.approx(forces[..., 0], rel=1e-6) == N and np.abs(np.diff(N)).max() > 1e2
