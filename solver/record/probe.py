@@ -160,37 +160,54 @@ def step_errors(probe: Probe, h: Hydrodynamics | None) -> dict[str, float]:
     little. `sampling_error`, where a joint's law may jump: what lies between samples half a step apart, by that run's;
     and the record's ends, or where nothing is discarded, that no sample is at the start.
     """
-    system, jumps, scene = probe.system, probe.system.bent.size > 0, probe.recorder.scene
-    half, every = system.with_step(system.dt / 2), slice(0, None) if jumps else slice(1, None, 2)
-    finer = _judging(scene, system)
+    system, scene = probe.system, probe.recorder.scene
+    half, finer = system.with_step(system.dt / 2), _judging(scene, system)
     state, done = half.start() if probe.state is None else copied(probe.state), 2 * probe.first
     for samples, output, times in blocks(half, state, done + 2 * probe.steps, done):
-        since = times - probe.first * system.dt
-        finer.add(since[every], output if jumps else output.thinned(), samples[every])
-    own, exact, between, cut = probe.recorder.samples(), finer.samples(), 0.0, probe.recorder.amended()
-    pieces = of_every_other(exact, finer.amended(), cut) if jumps else finer.amended()
-    ends = _ends_error(probe, own)
-    if jumps:  # of samples twice as near to each other as the record's
-        between = statistics_error(system, scene, partial(between_samples, cut=pieces), exact)
-        exact = {name: x[1::2] for name, x in exact.items()}
-    differ = partial(expected_error, cut=(cut, pieces))
-    step = statistics_error(system, scene, differ, own, exact)
+        add_halved(finer, system, times - probe.first * system.dt, output, samples)
+    step, between = against_half(system, probe.recorder, finer)
+    own = probe.recorder.samples()
+    # Of a later part, whose ends are not the record's.
+    ends = ends_error(system, scene, own) if probe.state is None else statistics_error(system, scene, at_ends, own)
     step = max(step * 16 / 15, missed(system, system.dt), step_effect(system, h))
     return {"discretization_error": step, "sampling_error": together((between, ends))}
 
 
-def _ends_error(probe: Probe, samples: Mapping[str, np.ndarray]) -> float:
-    """By the record's ends; of a record that begins well within these samples, by what there is at its start."""
-    system, short = probe.system, probe.recorder.scene
-    if probe.state is not None:
-        return statistics_error(system, short, at_ends, samples)
-    if 2 * system.scene.settings.discard <= NEXT * system.dt:
+def add_halved(finer: Recorder, system: System, times: np.ndarray, output: Output, samples: np.ndarray) -> None:
+    """Take in a block of the system's run with half the step: where a joint's law may jump all samples, else every
+    other one."""
+    if system.bent.size:
+        finer.add(times, output, samples)
+    else:
+        finer.add(times[1::2], output.thinned(), samples[1::2])
+
+
+def against_half(system: System, usual: Recorder, finer: Recorder) -> tuple[float, float]:
+    """Errors by what a `finer` run with half the step, taken in as by `add_halved`, tells otherwise, and by what lies
+    between samples, where a joint's law may jump."""
+    jumps, between = system.bent.size > 0, 0.0
+    exact, cut = finer.samples(), usual.amended()
+    pieces = of_every_other(exact, finer.amended(), cut) if jumps else finer.amended()
+    if jumps:  # of samples twice as near to each other as the record's
+        between = statistics_error(system, usual.scene, partial(between_samples, cut=pieces), exact)
+        exact = {name: x[1::2] for name, x in exact.items()}
+    differ = partial(expected_error, cut=(cut, pieces))
+    return statistics_error(system, usual.scene, differ, usual.samples(), exact), between
+
+
+def ends_error(system: System, short: Scene, samples: Mapping[str, np.ndarray]) -> float:
+    """By the record's ends; of a record that begins well within these samples, by what there is at its start.
+
+    samples: of a `short` part of it, from the run's start.
+    """
+    s, count = system.scene.settings, len(samples["time"])
+    gap = short.settings.duration / count
+    if s.discard <= NEXT * gap:
         return statistics_error(system, short, from_start, samples)
-    count = 2 * probe.steps
-    skipped = int(np.ceil(2 * system.scene.settings.discard / system.dt - NEXT)) - 1  # the first one after half a step
+    skipped = int(np.ceil(s.discard / gap - NEXT)) - 1  # the first one after the gap before it
     if skipped > count / 2:
-        share = system.scene.settings.duration / short.settings.duration  # a shorter record is off by more of its ends
-        if share < 1 and _of_whole_periods(system):
+        share = s.duration / short.settings.duration  # a shorter record is off by more of its ends
+        if share < 1 and _of_whole_periods(system, gap):
             return 0.0
         return statistics_error(system, short, lambda x, least, _: at_ends(x, least, share), samples)
     settings = replace(short.settings, duration=short.settings.duration * (1 - skipped / count))
@@ -198,9 +215,12 @@ def _ends_error(probe: Probe, samples: Mapping[str, np.ndarray]) -> float:
     return statistics_error(system, replace(short, settings=settings), partial(at_ends, begins=True), rest)
 
 
-def _of_whole_periods(system: System) -> bool:
-    """Whether the record of a single wave ends as it begins, and its samples, with those at both ends, fill it."""
-    sea, s, gap = system.scene.sea, system.scene.settings, system.dt / 2
+def _of_whole_periods(system: System, gap: float) -> bool:
+    """Whether the record of a single wave ends as it begins, and its samples, with those at both ends, fill it.
+
+    gap: between samples [s].
+    """
+    sea, s = system.scene.sea, system.scene.settings
     omega = sea.omega[np.abs(sea.amplitude) > 0]
     samples = np.floor((s.discard + s.duration) / gap + NEXT) - np.ceil(s.discard / gap - NEXT) + 1
     periods = s.duration * omega / (2 * np.pi)

@@ -34,10 +34,9 @@ from solver.record.channels import Record
 from solver.record.decay import Transfer, died
 from solver.record.effects import coefficient_effects, shapes_effect, together
 from solver.record.elements import elements_effect
-from solver.record.probe import PROBE, probed, statistics_error
+from solver.record.probe import PROBE, add_halved, against_half, ends_error, probed
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
-from solver.record.sampling import expected_error
 from solver.record.starting import from_rest
 from solver.record.turning import turning
 from solver.reference import axes as joint_axes
@@ -103,13 +102,17 @@ def simulate_reference(
     require_upright(case.system)
     ready = time.perf_counter()
     recorder = Recorder(scene, case.system.support, layout=case.system.layout)
-    probe = Recorder(probed(case.scene, _probe_steps(case)), case.system.support, layout=case.system.layout)
+    start, probe = (
+        Recorder(probed(case.scene, steps), case.system.support, layout=case.system.layout)
+        for steps in (_start_steps(case), _probe_steps(case))
+    )
     samples = _march(case, tolerance)
     first = next(samples)
     before, errors = _stored(case, first.frames), np.array(first.errors)
     for times, output, waves, gaps, end in _blocks(case, samples):
         frames = end
         recorder.add(times, output, waves)
+        start.add(times, output, waves)
         probe.add(times, output, waves)
         errors = np.maximum(errors, gaps)
         progress(times[-1] / (case.steps * case.system.dt))
@@ -119,7 +122,7 @@ def simulate_reference(
     if not residual <= BALANCE:
         raise unbalanced(residual, BALANCE, times[-1], case.system)
     marched = time.perf_counter()
-    audited = _errors(case, hydrodynamics, probe, options, tolerance)
+    audited = _errors(case, hydrodynamics, start, probe, options, tolerance)
     attrs = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, work, strict=True)},
@@ -339,9 +342,14 @@ def _stored(case: Case, frames: Frames) -> float:
     return float(total)
 
 
+def _start_steps(case: Case) -> int:
+    """Steps whose samples tell of the record's ends: PROBE usual ones, or all."""
+    return max(1, int(min(PROBE * case.scene.usual_step / case.system.dt, case.steps)))
+
+
 def _probe_steps(case: Case) -> int:
-    """Steps that are repeated with half their length: a quarter of the record, PROBE usual ones at most."""
-    return max(1, int(min(PROBE * case.scene.usual_step / case.system.dt, case.steps / 4)))
+    """Steps that are repeated with half their length: those, or a quarter of all."""
+    return max(1, min(_start_steps(case), case.steps // 4))
 
 
 def _by_damping(system: System, h: Hydrodynamics | None) -> Transfer | None:
@@ -354,19 +362,22 @@ def _by_damping(system: System, h: Hydrodynamics | None) -> Transfer | None:
 
 
 def _errors(
-    case: Case, h: Hydrodynamics | None, probe: Recorder, options: dict[str, Any], tolerance: float
+    case: Case, h: Hydrodynamics | None, start: Recorder, probe: Recorder, options: dict[str, Any], tolerance: float
 ) -> dict[str, float]:
-    """Estimated errors of the step, by a run with half of it, and of the BEM."""
+    """Estimated errors of the step, by a run with half of it, of samples, by that and the run's own start, and of the
+    BEM."""
     order = 2 * options["stages"] - 2
     short = replace(probed(case.scene, _probe_steps(case)).settings, time_step=case.system.dt / 2)
     half = _case(replace(case.scene, settings=short), h, **options)
-    finer, every = Recorder(probe.scene, half.system.support, layout=half.system.layout), slice(1, None, 2)
+    finer = Recorder(probe.scene, half.system.support, layout=half.system.layout)
     for times, output, waves, *_ in _blocks(half, _march(half, tolerance)):
-        finer.add(times[every], output.thinned(), waves[every])
-    step = statistics_error(case.system, probe.scene, expected_error, probe.samples(), finer.samples())
+        add_halved(finer, case.system, times, output, waves)
+    step, between = against_half(case.system, probe, finer)
+    ends = ends_error(case.system, start.scene, start.samples())
     memory, mesh = coefficient_effects(case.system, h, _by_damping(case.system, h))
     parts = {
         "discretization_error": step / (1 - 0.5**order),
+        "sampling_error": together((between, ends)),
         "memory_effect": memory,
         "mesh_effect": mesh,
         "shapes_effect": shapes_effect(case.system, h),

@@ -20,6 +20,8 @@ from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.frame import Frame
 from solver.structure.members import Material, Member, PointMass
 from solver.structure.sections import solid_rectangle, tube
+from tests.awkward import known, sea
+from tests.awkward import scene as awkward_scene
 from tests.once import solve
 
 HULL = Revolution.hemisphere_cylinder(radius=1.0, height=0.6)
@@ -251,6 +253,28 @@ def test_a_model_let_go_in_still_water_asks_for_no_wave(coefficients):
     given = scene(items=floats(offset=0.05), duration=2.0, sea=CALM, froude_krylov="linear", ramp=0.0)
     fast, slow = both(given, few, **alike(given, few))
     assert apart("rotation", slow, fast) < 1e-6
+
+
+@pytest.mark.parametrize("discard", [0.0, 1.0])
+def test_a_decay_s_samples_tell_of_its_ends_here_too(discard):
+    """A sphere off its guide: half of the first gap is left out, or the first sample, later, counts in full; both err
+    by far more than the step does."""
+    hull = Revolution.sphere(radius=1.0, draft=0.9)
+    ball = Float(
+        name="ball", hull=hull, mass=1025.0 * hull.volume, inertia=(900.0,) * 3, hinge=(0.2, 0.1, 0.0),
+        cog=(0.05, 0, -0.2), motion=("heave",), offset=0.2,
+    )  # fmt: skip
+    settings = {"duration": 3.0, "ramp": 0.0, "discard": discard, "froude_krylov": "linear"}
+    ours, exact = (
+        awkward_scene([ball], waves=CALM, time_step=step, accuracy=way, **settings)
+        for step, way in ((0.1, "reference"), (0.025, "standard"))
+    )
+    h = known(replace(exact, sea=sea()), 0.3, 8.0, 8)
+    records = [simulate(item, h) for item in (ours, exact)]
+    true = abs(np.divide(*(record.variables["motion"][1][0, 0, 4] for record in records)) - 1)
+    told = records[0].attrs
+    assert true > 5e-3 and 1 / 3 < true / told["sampling_error"] < 3
+    assert told["discretization_error"] < 1e-3 < told["sampling_error"] < told["estimated_error"]
 
 
 @pytest.mark.slow
