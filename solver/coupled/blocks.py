@@ -24,7 +24,7 @@ from solver.coupled.stages import State
 from solver.coupled.system import BLOCK_STEPS, ITERATIONS, System
 from solver.errors import SimulationFailed, StepTooLong
 from solver.limits import slides
-from solver.scene import falls_at
+from solver.scene import STEPS, falls_at
 
 FLOWN = 1e3  # [m or rad]: a joint so far off was shot there by a step that its laws are too stiff for
 
@@ -66,7 +66,20 @@ def _failure(outcome: int, t: float, system: System, state: State) -> Simulation
         NOT_CONVERGED: f"no convergence in {ITERATIONS} iterations",
         TO_AND_FRO: f"a joint's law changes over {CHANGES} times in a step",
     }
-    return StepTooLong(f"{troubles.get(outcome, 'not finite')} {when}: reduce time_step = {system.dt:g} s", t=t)
+    told = f"{troubles.get(outcome, 'not finite')} {when}: reduce time_step = {system.dt:g} s"
+    return StepTooLong(told + _ringing(system) * (outcome == TO_AND_FRO), t=t)
+
+
+def _ringing(system: System) -> str:
+    """What helps where even the platform's slowest mode swings within a few steps, for the message of laws that change
+    with each of its swings."""
+    slowest = 2 * np.pi / system.structure.omega.min(initial=np.inf)
+    if not 0 < slowest < STEPS * system.dt:
+        return ""
+    return (
+        f"; the elastic platform's slowest mode has a period of {slowest:.2g} s and rings since a joint's load jumped:"
+        f" a fixed platform, or time_step up to {slowest / STEPS:.2g} s"
+    )
 
 
 def _stability(system: System, joints: np.ndarray) -> str:

@@ -29,7 +29,7 @@ from solver.record import probe
 from solver.record.recorder import Recorder
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
-from tests.awkward import SCENES
+from tests.awkward import SCENES, bare_legs
 
 M = 2000.0  # [kg]
 STIFF = 400.0  # of a stop over the mass [1/s²]: 20 rad/s, seven times faster than the steps
@@ -536,3 +536,13 @@ def test_a_law_that_changes_without_end_is_what_a_run_ends_by():
     ]
     assert told[0].startswith("a joint's law changes over 200 times in a step at t = 1.0 s: reduce time_step")
     assert told[1].startswith("no convergence in 40 iterations at t = 1.0 s")
+
+
+def test_laws_that_change_with_a_stiff_platforms_ringing_are_said_to():
+    """With a platform that is stiff beside the step, and that alone: what to do."""
+    whole = bare_legs()[0]
+    for step, stiff in ((0.3, True), (0.001, False)):
+        system = prepare(replace(whole, settings=replace(whole.settings, time_step=step)), None)
+        told = {n: str(blocks_module._failure(n, 1.0, system, system.start())) for n in (TO_AND_FRO, NOT_CONVERGED)}
+        assert ("a fixed platform, or time_step up to" in told[TO_AND_FRO]) == stiff
+        assert told[NOT_CONVERGED].endswith(f"reduce time_step = {step:g} s")
