@@ -300,16 +300,16 @@ class Case:
 
     def shift(self, load: np.ndarray, more: np.ndarray | None = None) -> np.ndarray:
         """C⁻¹ f (n,) of a steady load (n,), with more stiffness (n, n); what nothing holds stays where it is."""
-        n = load.size
         if more is None:
-            return np.asarray(self._flexibility[:n, :n] @ load)
-        held = self._held.copy()
+            return np.asarray(self._flexibility @ load)
+        held, n = self._held.copy(), load.size
         held[:n, :n] += more
         return np.linalg.solve(held, np.append(load, np.zeros(len(held) - n)))[:n]
 
     @cached_property
     def _flexibility(self) -> np.ndarray:
-        return np.linalg.inv(self._held)
+        n = len(self.model.stiffness)
+        return np.asarray(np.linalg.inv(self._held)[:n, :n])
 
     @cached_property
     def _held(self) -> np.ndarray:

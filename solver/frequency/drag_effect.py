@@ -115,12 +115,13 @@ def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapp
         return Effect(0.0, 1.0)
     # Of one wave drag has its harmonics among what rings; in a sea that is joints' loads alone.
     of_drag = slice(waves, None if waves == 1 else case.omega.size)
-    shaken = _share(platform.X @ tops, of_drag)
+    shaken = gaussian.share(platform.X @ tops, of_drag)
     if waves == 1:
         return Effect(UNSURE * shaken, 1.0)
     if channels.nodes:
         nodes = support.node_shapes.reshape(nm, -1)
-        shaken = max(shaken, _share(platform.process.omega[:, None] ** 2 * platform.X @ nodes, of_drag))
+        accelerations = platform.process.omega[:, None] ** 2 * platform.X @ nodes
+        shaken = max(shaken, gaussian.share(accelerations, of_drag))
     error = UNSURE * shaken
     if not np.any(gaussian.spread(driven) ** 2 > LITTLE * std**2):
         return Effect(error, 1.0, shaken)
@@ -144,13 +145,6 @@ def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapp
             # What is even in the drag, in a current, makes one sense larger and the other smaller: no range changes.
             wear = bending.wear(g._replace(even=0.0))
     return Effect(error, extremes, shaken, wear)
-
-
-def _share(lines: np.ndarray, some: slice) -> float:
-    """Largest share of a variance by some of lines (nl, n)."""
-    above, whole = (np.sum(np.abs(x) ** 2, axis=0) for x in (lines[some], lines))
-    felt = whole > FAINT**2 * whole.max()
-    return float(np.max(above[felt] / whole[felt], initial=0.0))
 
 
 def _followed(case: Case, m: int, damping: float, T: np.ndarray, D: np.ndarray, Q: np.ndarray, order: int) -> float:

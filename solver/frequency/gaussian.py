@@ -192,6 +192,13 @@ def spread(X: np.ndarray) -> np.ndarray:
     return np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0))
 
 
+def share(X: np.ndarray, some: slice) -> float:
+    """Largest share of a variance by some of lines (nl, n), of those that are not faint beside others."""
+    part, whole = (spread(lines) for lines in (X[some], X))
+    felt = whole > FAINT * whole.max(initial=0.0)
+    return float(np.max((part[felt] / whole[felt]) ** 2, initial=0.0))
+
+
 def peak(X: np.ndarray, of: Process) -> np.ndarray:
     """Expected largest (n,) of lines (nl, n) over their std; 0 of what does not move."""
     told = table(np.zeros(X.shape[1]), X, of)

@@ -81,10 +81,9 @@ def _beside_gaussian(
         every = lines.reshape(len(lines), -1)
         size = gaussian.spread(every)
         y = every[:, size > LITTLE * size.max(initial=0.0)]
-        std = gaussian.spread(y)
-        s = gaussian.covariance(y, loads) / np.outer(std, gaussian.spread(loads))
+        s = gaussian.covariance(y, loads) / np.outer(gaussian.spread(y), gaussian.spread(loads))
         largest = float(np.max(np.sqrt(1 + s**2 * more), initial=largest))
-        rings = float(np.max((gaussian.spread(y[of.omega.size :]) / std) ** 2, initial=rings))
+        rings = max(rings, gaussian.share(y, slice(of.omega.size, None)))
     return largest, rings
 
 

@@ -165,8 +165,8 @@ def step_errors(probe: Probe, h: Hydrodynamics | None) -> dict[str, float]:
     state, done = half.start() if probe.state is None else copied(probe.state), 2 * probe.first
     for samples, output, times in blocks(half, state, done + 2 * probe.steps, done):
         add_halved(finer, system, times - probe.first * system.dt, output, samples)
-    step, between = against_half(system, probe.recorder, finer)
     own = probe.recorder.samples()
+    step, between = against_half(system, probe.recorder, own, finer)
     # Of a later part, whose ends are not the record's.
     ends = ends_error(system, scene, own) if probe.state is None else statistics_error(system, scene, at_ends, own)
     step = max(step * 16 / 15, missed(system, system.dt), step_effect(system, h))
@@ -182,9 +182,11 @@ def add_halved(finer: Recorder, system: System, times: np.ndarray, output: Outpu
         finer.add(times[1::2], output.thinned(), samples[1::2])
 
 
-def against_half(system: System, usual: Recorder, finer: Recorder) -> tuple[float, float]:
+def against_half(
+    system: System, usual: Recorder, own: Mapping[str, np.ndarray], finer: Recorder
+) -> tuple[float, float]:
     """Errors by what a `finer` run with half the step, taken in as by `add_halved`, tells otherwise, and by what lies
-    between samples, where a joint's law may jump."""
+    between samples, where a joint's law may jump; own: samples of the usual one."""
     jumps, between = system.bent.size > 0, 0.0
     exact, cut = finer.samples(), usual.amended()
     pieces = of_every_other(exact, finer.amended(), cut) if jumps else finer.amended()
@@ -192,7 +194,7 @@ def against_half(system: System, usual: Recorder, finer: Recorder) -> tuple[floa
         between = statistics_error(system, usual.scene, partial(between_samples, cut=pieces), exact)
         exact = {name: x[1::2] for name, x in exact.items()}
     differ = partial(expected_error, cut=(cut, pieces))
-    return statistics_error(system, usual.scene, differ, usual.samples(), exact), between
+    return statistics_error(system, usual.scene, differ, own, exact), between
 
 
 def ends_error(system: System, short: Scene, samples: Mapping[str, np.ndarray]) -> float:

@@ -372,7 +372,7 @@ def _errors(
     finer = Recorder(probe.scene, half.system.support, layout=half.system.layout)
     for times, output, waves, *_ in _blocks(half, _march(half, tolerance)):
         add_halved(finer, case.system, times, output, waves)
-    step, between = against_half(case.system, probe, finer)
+    step, between = against_half(case.system, probe, probe.samples(), finer)
     ends = ends_error(case.system, start.scene, start.samples())
     memory, mesh = coefficient_effects(case.system, h, _by_damping(case.system, h))
     parts = {
