@@ -43,14 +43,15 @@ def own_cluster(workers: int, memory: str) -> Iterator[Any]:
     Whoever may connect runs code as the owner, and every user of the machine reaches loopback: all ports ask for a
     certificate made now and kept in memory. Workers import and unpickle from their scratch folder: it is private, too.
     """
-    import dask
-    from distributed import LocalCluster, Security
-
     # Beyond it workers die one by one, with tracebacks of the process that they are forked from.
     limit, needed = resource.getrlimit(resource.RLIMIT_NOFILE)[0], FILES + EACH * workers
     if limit != resource.RLIM_INFINITY and limit < needed:
         told = f"{workers} take {needed} open files, and this process may have {limit} (ulimit -n)"
         raise ChildProcessError(f"workers do not start: {told}")
+
+    import dask
+    from distributed import LocalCluster, Security
+
     start_fork_server()
     with dask.config.set({"temporary-directory": str(environment.scratch())}):
         try:

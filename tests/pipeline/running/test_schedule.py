@@ -1,8 +1,10 @@
 """Results come whatever their size, and however silent or short-lived the workers that have them."""
 
 import os
+import resource
 import signal
 import time
+from types import SimpleNamespace
 
 import dask
 import psutil
@@ -63,7 +65,9 @@ def test_workers_that_take_more_files_than_there_may_be_are_not_started(monkeypa
     def starts():
         raise ChildProcessError("would start")
 
-    monkeypatch.setattr(cluster.resource, "getrlimit", lambda _: (limit, limit))
+    monkeypatch.setattr(
+        cluster, "resource", SimpleNamespace(**(vars(resource) | {"getrlimit": lambda _: (limit, limit)}))
+    )
     monkeypatch.setattr(cluster, "start_fork_server", starts)
     with pytest.raises(ChildProcessError, match=told or "would start"), cluster.own_cluster(workers, "auto"):
         pass
