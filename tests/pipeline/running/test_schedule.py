@@ -65,9 +65,8 @@ def test_workers_that_take_more_files_than_there_may_be_are_not_started(monkeypa
     def starts():
         raise ChildProcessError("would start")
 
-    monkeypatch.setattr(
-        cluster, "resource", SimpleNamespace(**(vars(resource) | {"getrlimit": lambda _: (limit, limit)}))
-    )
+    few = SimpleNamespace(**{**vars(resource), "getrlimit": lambda _: (limit, limit)})
+    monkeypatch.setattr(cluster, "resource", few)  # not the module itself: libraries ask it, too, what there may be
     monkeypatch.setattr(cluster, "start_fork_server", starts)
     with pytest.raises(ChildProcessError, match=told or "would start"), cluster.own_cluster(workers, "auto"):
         pass
