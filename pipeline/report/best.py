@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -10,16 +10,14 @@ import numpy as np
 from pipeline.report.energy import OF, powers
 from pipeline.report.yearly import (
     BESIDE,
-    ERROR,
     LEVEL,
+    OfTasks,
     Table,
     by_sea,
     cells,
     counted,
     marked,
     named,
-    off,
-    over_seas,
     prefix,
     remarks,
     sea_keys,
@@ -54,48 +52,62 @@ OF_ERRORS = (
 
 
 class Compared(NamedTuple):
-    """Designs in a sea, or in all."""
+    """Designs in a sea, or in all, as arrays along their axes."""
 
-    found: xr.DataArray  # power, along `estimate`
-    mean: xr.DataArray  # power; NaN of those that are not compared
-    at: dict[Hashable, int]  # place of the best
-    ahead: xr.DataArray  # what the best has more than each, in the same realizations, along `estimate`
-    error: xr.DataArray  # what that may be off by, as their records are
-    off: xr.DataArray  # what power may be off by
+    axes: list[xr.DataArray]  # along which designs differ
+    whole: np.ndarray  # which are compared
+    found: np.ndarray  # power, last along `estimate`
+    mean: np.ndarray  # power; NaN of those that are not compared
+    at: tuple[int, ...]  # place of the best
+    ahead: np.ndarray  # what the best has more than each, in the same realizations, last along `estimate`
+    error: np.ndarray  # what that may be off by, as their records are
+    off: np.ndarray  # what power may be off by
     several: bool  # whether scatter is known where it is at all: without an interval nothing is decided then
+
+    @property
+    def known(self) -> int:
+        """How many have a mean."""
+        return int((~np.isnan(self.mean)).sum())
 
     @property
     def least(self) -> float:
         """By what powers differ."""
-        return SAME * abs(float(self.mean.isel(self.at)))
+        return SAME * abs(float(self.mean[self.at]))
 
-    def alike(self, dims: Sequence[Hashable]) -> bool:
-        """Whether several along these do not, others as the best: as where all survive a storm by the same settings."""
-        some = self.mean.isel({dim: place for dim, place in self.at.items() if dim not in dims})
-        return int(some.notnull().sum()) > 1 and float(some.max() - some.min()) <= self.least
+    def where(self, at: tuple[int, ...]) -> dict[Hashable, int]:
+        """A place by dimensions."""
+        return {axis.name: place for axis, place in zip(self.axes, at, strict=True)}
+
+    def along(self, *axes: int) -> np.ndarray:
+        """Means along these axes, others as the best."""
+        return self.mean[tuple(slice(None) if i in axes else place for i, place in enumerate(self.at))]
+
+    def alike(self, *axes: int) -> bool:
+        """Whether several along these do not differ: as where all survive a storm by the same settings."""
+        some = self.along(*axes)
+        return int((~np.isnan(some)).sum()) > 1 and bool(np.nanmax(some) - np.nanmin(some) <= self.least)
 
     @property
-    def free(self) -> list[Hashable]:
+    def free(self) -> list[int]:
         """Along which the best do not differ, whatever they are along the others of these: as of what is not there."""
-        free: list[Hashable] = []
-        for dim in self.at:
-            free += [dim] * (self.alike([dim]) and self.alike([*free, dim]))
+        free: list[int] = []
+        for i in range(len(self.at)):
+            free += [i] * (self.alike(i) and self.alike(*free, i))
         return free
 
     @property
-    def undecided(self) -> xr.DataArray:
+    def undecided(self) -> np.ndarray:
         """Which others may be as good as the best, by the scatter of realizations or by what records are off by."""
-        value, low = (self.ahead.sel(estimate=name, drop=True) for name in ("value", "low"))
-        differs = self.mean < self.mean.isel(self.at, drop=True) - self.least
+        value, low = self.ahead[..., 0], self.ahead[..., 1]
+        differs = self.mean < self.mean[self.at] - self.least
         scattered = ~(low > self.least) if self.several else low <= self.least
-        return differs & (scattered | ~(value >= self.error))
+        return np.asarray(differs & (scattered | ~(value >= self.error)))
 
     @property
     def ties(self) -> int:
         """How many more take as much as the best, but for those along what the best do not differ by."""
-        best, free = self.mean >= self.mean.isel(self.at, drop=True) - self.least, self.free
-        same = best.isel({dim: place for dim, place in self.at.items() if dim not in free})
-        return int(best.sum()) - int(same.sum())
+        least = self.mean[self.at] - self.least
+        return int((self.mean >= least).sum() - (self.along(*self.free) >= least).sum())
 
 
 def table(data: xr.Dataset) -> Table:
@@ -126,20 +138,20 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
         for sea, some in seas(part, variable):
             each, label = some[variable], ", ".join(filter(None, [*labels, sea]))
             of = compared(each, designs, some)
-            if not _whole(each, designs).any():
+            if not of.whole.any():
                 yield label, f"none (of 0 among {of.mean.size})", *["-"] * (5 if _several(data) else 3), counted(each)
-            if not of.mean.fillna(0.0).any():  # nor is there a best of none that takes power
+            if not np.nan_to_num(of.mean).any():  # nor is there a best of none that takes power
                 continue
-            chosen = "any" if of.alike(designs) else ", ".join(_chosen(of))
+            chosen = "any" if of.alike(*range(len(designs))) else ", ".join(_chosen(of))
             if chosen != "any" and (ties := of.ties):
                 chosen += f" (and {ties} alike)"
-            chosen += " (all lose)" * bool(of.mean.max() < 0)
-            if (known := int(of.mean.notnull().sum())) < of.mean.size:
-                chosen += f" (of {known} among {of.mean.size})"
+            chosen += " (all lose)" * bool(of.mean[of.at] < 0)
+            if of.known < of.mean.size:
+                chosen += f" (of {of.known} among {of.mean.size})"
             chosen += " (undecided)" * bool(not _several(data) and of.undecided.any())
             second = _next_best(of, scale) if _several(data) else ()
-            power = marked(of.found.isel(of.at).values, of.off.isel(of.at), scale)
-            yield label, chosen, *power, *second, counted(each.isel(of.at))
+            power = marked(of.found[of.at], of.off[of.at], scale)
+            yield label, chosen, *power, *second, counted(each.isel(of.where(of.at)))
 
 
 def platforms(data: xr.Dataset, variable: str) -> Iterator[tuple[list[str], xr.Dataset, list[Hashable]]]:
@@ -160,22 +172,23 @@ def seas(part: xr.Dataset, variable: str) -> Iterator[tuple[str, xr.Dataset]]:
 
 def compared(each: xr.DataArray, designs: Sequence[Hashable], some: xr.Dataset) -> Compared:
     """Designs by their power in each task of some seas; the first stands for the best where no mean is known."""
-    found = over_seas(each, some)
-    mean = found.sel(estimate="value", drop=True).where(_whole(each, designs))
-    at = {dim: int(place) for dim, place in mean.fillna(-np.inf).argmax(designs).items()}
-    ahead = over_seas(each.isel(at, drop=True) - each, some)
-    return Compared(found, mean, at, ahead, _both(each, at, some), off(each, some), _several(each))
+    tasks = OfTasks.of(each, some, designs)
+    found, whole = tasks.ends(), _whole(tasks.numbers)
+    mean = np.where(whole, found[..., 0], np.nan)
+    at = _most(mean)
+    best = tasks.numbers[at]
+    ahead = tasks._replace(numbers=best - tasks.numbers).ends()
+    # What the difference may be off by, as of independent errors: those of one kind cancel in part, but nothing tells
+    # how much of them. Those of a record that is both designs', as in a storm that all survive alike, do.
+    differ = tasks.numbers != best
+    apart = (tasks._replace(errors=np.where(differ, errors, 0.0)) for errors in (tasks.errors, tasks.errors[at]))
+    error = np.hypot(*(of.off() for of in apart))
+    return Compared([each[dim] for dim in designs], whole, found, mean, at, ahead, error, tasks.off(), _several(each))
 
 
-def _both(each: xr.DataArray, at: Mapping[Hashable, int], some: xr.Dataset) -> xr.DataArray:
-    """What the difference from the best may be off by, as of independent errors: those of one kind cancel in part, but
-    nothing tells how much of them. Those of a record that is both designs', as in a storm that all survive alike, do.
-    """
-    if ERROR not in each.coords:
-        return off(each, some)
-    differ, error = each != each.isel(at, drop=True), each[ERROR]
-    apart = (each.assign_coords({ERROR: of.where(differ, 0.0)}) for of in (error, error.isel(at, drop=True)))
-    return sum(off(one, some) ** 2 for one in apart) ** 0.5
+def _most(of: np.ndarray) -> tuple[int, ...]:
+    """Place of the largest; the first of all where none is known."""
+    return tuple(int(i) for i in np.unravel_index(np.argmax(np.where(np.isnan(of), -np.inf, of)), of.shape))
 
 
 def _several(data: xr.Dataset | xr.DataArray) -> bool:
@@ -187,29 +200,29 @@ def _is_design(axis: xr.DataArray) -> bool:
     return (axis.name in CHOSEN or "floats." in axis.attrs.get("long_name", "")) and not sea_keys(axis)
 
 
-def _whole(each: xr.DataArray, designs: Sequence[Hashable]) -> xr.DataArray:
+def _whole(numbers: np.ndarray) -> np.ndarray:
     """Which designs have all realizations that any has: of those that failed in some the others tell too much."""
-    has = each.notnull()
-    whole = has == has.any(designs)  # not as many: two that failed in different ones have met other waves
-    return whole.all([dim for dim in ("sea_state", "seed") if dim in whole.dims])
+    has = ~np.isnan(numbers)
+    whole = has == has.any(axis=tuple(range(has.ndim - 2)))  # not as many: two that failed in others met other waves
+    return np.asarray(whole.all(axis=(-2, -1)))
 
 
 def _next_best(of: Compared, scale: float) -> tuple[str, str]:
     """The one with the most power of those that differ from the best, by where they do, and by how much, over scale."""
-    others = of.mean.where(of.mean < of.mean.isel(of.at) - of.least)
-    if others.isnull().all():
+    others = np.where(of.mean < of.mean[of.at] - of.least, of.mean, np.nan)
+    if np.isnan(others).all():
         return "-", "-"
-    at = {dim: int(place) for dim, place in others.argmax([*of.at]).items()}
-    label = ", ".join(one_of(of.mean[dim], place) for dim, place in at.items() if place != of.at[dim])
+    at = _most(others)
+    label = ", ".join(one_of(axis, i) for axis, i, best in zip(of.axes, at, of.at, strict=True) if i != best)
     less = by_how_much(of, at, scale)
     if of.undecided.any():
-        less += " undecided" if of.undecided.isel(at) else " others undecided"
+        less += " undecided" if of.undecided[at] else " others undecided"
     return label, less
 
 
-def by_how_much(of: Compared, at: Mapping[Hashable, int], scale: float) -> str:
+def by_how_much(of: Compared, at: tuple[int, ...], scale: float) -> str:
     """What a design has less than the best, over scale, with its interval."""
-    less, low, high = texts(of.ahead.isel(at).values / scale)
+    less, low, high = texts(of.ahead[at] / scale)
     return less + f" [{low}, {high}]" * (low != "-")
 
 
@@ -227,21 +240,21 @@ def _along(axis: xr.DataArray) -> list[tuple[Hashable, xr.DataArray]]:
 def _chosen(of: Compared) -> Iterator[str]:
     """The best along each axis."""
     free = of.free
-    for dim, place in of.at.items():
-        yield f"any {dim}" if dim in free else one_of(of.mean[dim], place) + " (an end)" * _at_end(of, dim)
+    for i, (axis, place) in enumerate(zip(of.axes, of.at, strict=True)):
+        yield f"any {axis.name}" if i in free else one_of(axis, place) + " (an end)" * _at_end(of, i)
 
 
-def _at_end(of: Compared, dim: Hashable) -> bool:
+def _at_end(of: Compared, i: int) -> bool:
     """Whether the best is the last of an axis's numbers to either side, and decided against the one beside it.
 
     Where no interval or error tells that, it is if the axis matters. Numbers of samples have no end.
     """
-    axis, place = of.mean[dim], of.at[dim]
+    axis, place = of.axes[i], of.at[i]
     numbers = axis.values
     if _along(axis) or not np.issubdtype(axis.dtype, np.number) or numbers[place] not in (numbers.min(), numbers.max()):
         return False
-    at = {other: number for other, number in of.at.items() if other != dim}
-    mean = of.mean.isel(at).values
-    order = [int(i) for i in np.argsort(numbers) if not np.isnan(mean[i])]
+    mean = of.along(i)
+    order = [int(j) for j in np.argsort(numbers) if not np.isnan(mean[j])]
     beside = order[:2][-1] if order[0] == place else order[-2]
-    return bool(np.nanmax(mean) - np.nanmin(mean) > of.least) and not of.undecided.isel({**at, dim: beside})
+    matters = bool(np.nanmax(mean) - np.nanmin(mean) > of.least)
+    return matters and not of.undecided[(*of.at[:i], beside, *of.at[i + 1 :])]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -32,7 +31,7 @@ class _Design(NamedTuple):
     """One of those that are compared in some seas."""
 
     words: str  # platform, seas and rank
-    at: dict[Hashable, int]  # its place
+    at: tuple[int, ...]  # its place
     of: Compared
     each: xr.DataArray  # its power in every task
 
@@ -63,22 +62,21 @@ def first(data: xr.Dataset, count: int = MANY) -> Iterator[_Design]:
         every = [*seas(part, variable)]
         for sea, some in every[:1] if "occurrence" in part.coords else every:
             of = compared(some[variable], designs, some)
-            if not of.mean.fillna(0.0).any():
+            if not np.nan_to_num(of.mean).any():
                 continue
-            known = int(of.mean.notnull().sum())
-            among = f" (of {known} among {of.mean.size})" * (known < of.mean.size)
-            order = np.argsort(-of.mean.fillna(-math.inf).values, axis=None, kind="stable")
-            for rank, place in enumerate(order[: min(count, known)], start=1):
-                at = {dim: int(i) for dim, i in zip(of.mean.dims, np.unravel_index(place, of.mean.shape), strict=True)}
+            among = f" (of {of.known} among {of.mean.size})" * (of.known < of.mean.size)
+            order = np.argsort(-of.mean, axis=None, kind="stable")  # what is not known comes last
+            for rank, place in enumerate(order[: min(count, of.known)], start=1):
+                at = tuple(int(i) for i in np.unravel_index(place, of.mean.shape))
                 words = ", ".join(filter(None, [*labels, f"{sea}{among}", f"number {rank}"]))
-                yield _Design(words, at, of, some[variable].isel(at))
+                yield _Design(words, at, of, some[variable].isel(of.where(at)))
 
 
 def _line(design: _Design, scale: float) -> tuple[str, ...]:
     of, at = design.of, design.at
-    words = ", ".join(one_of(of.mean[dim], place) for dim, place in at.items())
-    power, *_ = marked(of.found.isel(at).values, of.off.isel(at), scale)
-    less = "-" if at == of.at else by_how_much(of, at, scale) + " undecided" * bool(of.undecided.isel(at))
+    words = ", ".join(one_of(axis, place) for axis, place in zip(of.axes, at, strict=True))
+    power, *_ = marked(of.found[at], of.off[at], scale)
+    less = "-" if at == of.at else by_how_much(of, at, scale) + " undecided" * bool(of.undecided[at])
     return design.words, words, power, less, counted(design.each)
 
 
@@ -94,7 +92,10 @@ def again(study: StudyFile, data: xr.Dataset) -> str:
 
 
 def _block(study: StudyFile, designs: Iterable[_Design]) -> str:
-    found = [{dim: design.of.mean[dim].values[place].item() for dim, place in design.at.items()} for design in designs]
+    found = [
+        {axis.name: axis.values[place].item() for axis, place in zip(design.of.axes, design.at, strict=True)}
+        for design in designs
+    ]
     keys = [_keys(study, labels) for i, labels in enumerate(found) if labels not in found[:i]]
     if not keys:
         return ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Hashable, Iterable, Iterator
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -40,12 +40,54 @@ OFF = (
 SURVIVORS = " Realizations that failed, as a rule the roughest, are in no mean."
 
 
-class _Mean(NamedTuple):
-    """Over realizations: mean, its variance and their number, in each sea state."""
+class OfTasks(NamedTuple):
+    """Numbers of tasks, last along realizations and sea states, and what goes with them."""
 
-    mean: xr.DataArray
-    variance: xr.DataArray  # of the mean; NaN where one realization tells nothing of it
-    number: xr.DataArray
+    numbers: np.ndarray  # (…, seed, sea_state)
+    errors: np.ndarray  # what these may be off by (…, seed, sea_state)
+    single: np.ndarray  # whether a sea state has one task whatever the seed (…, sea_state)
+    share: np.ndarray  # of each sea state (sea_state,)
+
+    @classmethod
+    def of(cls, each: xr.DataArray, weights: Any, outer: Sequence[Hashable]) -> OfTasks:
+        """weights as `over_seas` takes them; outer: the other dimensions, in order."""
+        import xarray as xr
+
+        known = _by_task(each)
+        beside = each.coords.get(ERROR, 0.0 * known.fillna(0.0)), each.coords.get(SINGLE, xr.DataArray(False))
+        numbers, errors, single = (
+            of.drop_vars(BESIDE, errors="ignore").broadcast_like(known).transpose(*outer, "seed", "sea_state").values
+            for of in (known, *beside)
+        )
+        return cls(numbers, errors, np.all(single, axis=-2), occurrence(weights, numbers.shape[-1]))
+
+    def ends(self) -> np.ndarray:
+        """Value, low and high of the mean (…, 3): see `over_seas`."""
+        from scipy import stats
+
+        known, alike = ~np.isnan(self.numbers), _shares(self.numbers, self.share)
+        number = known.sum(axis=-2)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            mean = np.where(known, self.numbers, 0.0).sum(axis=-2) / number
+            squares = np.where(known, self.numbers - mean[..., None, :], 0.0) ** 2
+            freedom = np.where(number > 1, number - 1.0, np.nan)
+            variance = squares.sum(axis=-2) / freedom / number
+            variance[self.single & (number == 1)] = 0.0
+            # Sums over sea states, of which k alike have Σ w alike = alike² together and not Σ w².
+            of_mean = (self.share * alike * variance).sum(axis=-1)
+            scattered = np.where(variance != 0, variance**2 / freedom, 0.0)
+            freedom = of_mean**2 / (self.share * alike**3 * scattered).sum(axis=-1)
+            # Where no realization differs there is no scatter, and no degree of freedom either.
+            half = np.where(of_mean != 0, stats.t.ppf((1 + LEVEL) / 2, freedom) * np.sqrt(of_mean), 0.0)
+        value = (self.share * mean).sum(axis=-1)
+        return np.stack([value, value - half, value + half], axis=-1)
+
+    def off(self) -> np.ndarray:
+        """What the mean (…) may be off by: see `off`."""
+        known = ~np.isnan(self.errors)
+        with np.errstate(invalid="ignore"):
+            errors = np.where(known, self.errors, 0.0).sum(axis=-2) / known.sum(axis=-2)
+        return np.asarray((self.share * errors).sum(axis=-1))
 
 
 def over_seas(each: xr.DataArray, weights: Any) -> xr.DataArray:
@@ -57,15 +99,9 @@ def over_seas(each: xr.DataArray, weights: Any) -> xr.DataArray:
     states with the same number in every realization are the same waves and count there as one, by their sum of wⱼ. NaN:
     value where a sea state has no number, interval where one has a single realization of several that it may have.
     """
-    import xarray as xr
-    from scipy import stats
-
-    mean, error, freedom = _weighted(each, weights)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        # Where no realization differs there is no scatter, and no degree of freedom either.
-        half = (stats.t.ppf((1 + LEVEL) / 2, freedom) * error).where(error != 0, 0.0)
-    ends: xr.DataArray = xr.concat([mean, mean - half, mean + half], dim="estimate")
-    return ends.assign_coords(estimate=list(ESTIMATES))
+    one = _by_task(each).isel(seed=0, sea_state=0, drop=True)
+    ends = OfTasks.of(each, weights, one.dims).ends()
+    return one.expand_dims(estimate=list(ESTIMATES)).copy(data=np.moveaxis(ends, -1, 0))
 
 
 def realized(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
@@ -108,32 +144,12 @@ def with_errors(data: xr.Dataset, values: xr.DataArray, size: xr.DataArray) -> x
 def off(each: xr.DataArray, weights: Any) -> xr.DataArray:
     """What the mean of `over_seas` may be off by as records are, by errors of one kind, which add up; 0 of records that
     tell none, NaN where some do not."""
-    errors = _by_task(each.coords.get(ERROR, 0.0 * each.fillna(0.0)))
-    return (occurrence(weights, errors) * errors.mean("seed")).sum("sea_state", skipna=False)
+    one = _by_task(each).isel(seed=0, sea_state=0, drop=True)
+    return one.copy(data=OfTasks.of(each, weights, one.dims).off())
 
 
 def _tasks(values: xr.DataArray) -> list[Hashable]:
     return [dim for dim in values.dims if dim in ("sea_state", "seed")]
-
-
-def _means(each: xr.DataArray, single: Any) -> _Mean:
-    """Over realizations, those that have a number; what is `single` has no scatter."""
-    number = each.notnull().sum("seed")
-    variance = each.var("seed", ddof=1) / number.where(number > 1)
-    return _Mean(each.mean("seed"), variance.where(~(single & (number == 1)), 0.0), number)
-
-
-def _weighted(each: xr.DataArray, weights: Any) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
-    """Mean over sea states, its standard error, and degrees of freedom."""
-    single = each.coords.get(SINGLE, np.False_)
-    each = _by_task(each)
-    of, w = _means(each, single), occurrence(weights, each)
-    alike = _of_waves(each, lambda numbers: _shares(numbers, w.values))
-    # Sums over sea states, of which k alike have Σ w alike = alike² together and not Σ w².
-    variance = (w * alike * of.variance).sum("sea_state", skipna=False)
-    squares = w * alike**3 * (of.variance**2 / (of.number - 1).where(of.number > 1)).where(of.variance != 0, 0.0)
-    freedom = variance**2 / squares.sum("sea_state", skipna=False)
-    return (w * of.mean).sum("sea_state", skipna=False), variance**0.5, freedom
 
 
 def _by_task(each: xr.DataArray) -> xr.DataArray:
@@ -169,15 +185,13 @@ def _first(numbers: np.ndarray) -> np.ndarray:
     return ~np.stack([alike[..., :i].any(axis=-1) for i, alike in enumerate(_alike(numbers))], axis=-1)
 
 
-def occurrence(weights: Any, values: xr.DataArray) -> xr.DataArray:
-    """Shares of the sea states (sea_state,) that add up to one, from a dataset's `occurrence` or numbers."""
+def occurrence(weights: Any, seas: int) -> np.ndarray:
+    """Shares of so many sea states that add up to one, from a dataset's `occurrence` or numbers."""
     import xarray as xr
 
     known = weights.coords.get("occurrence") if isinstance(weights, xr.Dataset) else weights
-    if known is None:
-        known = np.ones(values.sizes["sea_state"])
-    w = xr.DataArray(np.broadcast_to(np.asarray(known, float), values.sizes["sea_state"]), dims="sea_state")
-    return w / w.sum(skipna=False)
+    w = np.broadcast_to(np.asarray(1.0 if known is None else known, float), seas)
+    return np.asarray(w / w.sum())
 
 
 def weighed(data: xr.Dataset) -> xr.Dataset:
