@@ -21,6 +21,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 DASHES = ("-", "--", ":", "-.")
 HIDDEN = 0.01  # of the height of axes: a line that is nowhere further from another hides it
+COLUMNS = 6  # of marks in a row above a figure, where there is room
 MARGIN = 0.04  # of an axis's length, beside it, so that marks at its ends are whole
 INK, FAINT, PAPER = "#333333", "#dddddd", "#000000"
 WATER, SAND, STEEL = "#dcebf5", "#d9cfbf", "#8a8f94"
@@ -112,6 +113,16 @@ def legend(axes: Axes) -> None:
     marks = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     groups = together([axes], marks)
     axes.legend([marks[group[-1]] for group in groups], map(", ".join, groups), frameon=False, fontsize="small")
+
+
+def above(figure: Figure, marks: Sequence[Line2D]) -> None:
+    """A key above a figure, in as many columns as there is room for."""
+    style: dict[str, Any] = {"handletextpad": 0.2, "columnspacing": 1.2, "frameon": False}
+    for columns in range(min(len(marks), COLUMNS), 0, -1):
+        key = figure.legend(handles=marks, loc="outside upper right", ncols=columns, **style)
+        if columns == 1 or key.get_window_extent().width <= figure.bbox.width:
+            return
+        key.remove()
 
 
 def canvas(width: float, height: float) -> Figure:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pipeline.report.drawing import INK, MARKERS, PAPER, canvas, categories, colour, lanes, marker, together
+from pipeline.report.drawing import INK, MARKERS, PAPER, above, canvas, categories, colour, lanes, marker, together
 from pipeline.report.published import Published
 from pipeline.report.yearly import prefix
 from pipeline.study.seas import height
@@ -27,7 +27,6 @@ SHOWN = ("sea_state", "platform", "seed")  # axes that every figure goes along, 
 SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floats"}
 ROOM = 24  # sea states in one figure
 LINES = 12  # of floats in sea states on one platform that can be told apart
-COLUMNS = 6  # of marks in a row above a figure
 CROSS = "x"  # marks a published number
 
 
@@ -235,8 +234,7 @@ def key(figure: Figure, results: Results, name: str, markers: Mapping[str, str] 
         marks += [Line2D([], [], marker=marker, linestyle="", color=INK, label=sea) for sea, marker in markers.items()]
     if crossed(figure):
         marks.append(Line2D([], [], marker=CROSS, linestyle="", color=PAPER, label="published"))
-    style = {"handletextpad": 0.2, "columnspacing": 1.2, "frameon": False}
-    figure.legend(handles=marks, loc="outside upper right", ncols=min(len(marks), COLUMNS), **style)
+    above(figure, marks)
 
 
 def sea_states(results: Results) -> Figure | None:

@@ -175,8 +175,7 @@ def print_tables(data: xr.Dataset, rows: Sequence[Published], console: Console, 
             table.add_column(name, justify="left" if name in ("", "verdict", "unit") else "right", no_wrap=True)
         for row, number in mine:
             table.add_row(*map(escape, line(row, number)))
-        wide = console.options.update(width=max(console.width, WIDTH))  # print() itself keeps to the terminal
-        console.print(Segments(console.render(table, wide)), end="", crop=False, soft_wrap=True)
+        _print_whole(table, console)
         for sentence in sentences(mine):
             console.print(f"  * {sentence}", soft_wrap=True, highlight=False, markup=False)
         console.print()
@@ -247,10 +246,16 @@ def print_summary(data: xr.Dataset, console: Console) -> None:
     """Where published numbers do not say it: mean and range of every variable that has statistics."""
     table = Table(box=None, pad_edge=False)
     for name in ("variable", "statistic", "mean", "least", "largest", "unit"):
-        table.add_column(name, justify="left" if name in ("variable", "statistic", "unit") else "right")
+        table.add_column(name, justify="left" if name in ("variable", "statistic", "unit") else "right", no_wrap=True)
     for row in summary_rows(data):
         table.add_row(*row)
-    console.print(table)
+    _print_whole(table, console)
+
+
+def _print_whole(table: Table, console: Console) -> None:
+    """A narrow terminal wraps lines and cuts no number."""
+    wide = console.options.update(width=max(console.width, WIDTH))  # print() itself keeps to the terminal
+    console.print(Segments(console.render(table, wide)), end="", crop=False, soft_wrap=True)
 
 
 def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:

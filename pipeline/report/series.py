@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pipeline.bridge import realizations
-from pipeline.report.drawing import COLOURS, INK, canvas, colour
+from pipeline.report.drawing import COLOURS, INK, above, canvas, colour
 from pipeline.report.figures import FORCE, POWER
 from pipeline.report.strips import directions
 from pipeline.results.netcdf import Variable
@@ -232,7 +232,7 @@ def _key(figure: Figure, rows: Sequence[Row]) -> None:
     names = max(([line.name for line in row.lines] for row in rows), key=len)
     if len(names) > 1:
         marks = [Line2D([], [], linewidth=2.0, label=name, **look(i)) for i, name in enumerate(names)]
-        figure.legend(handles=marks, loc="outside upper right", ncols=len(marks), frameon=False)
+        above(figure, marks)
 
 
 def waves(series: Series) -> Figure | None:

@@ -37,7 +37,7 @@ def hinge_forces(results: Results) -> Figure | None:
     for item, row in zip(floats, grid, strict=True):
         for direction, axes in zip(shown, row, strict=True):
             _extremes(axes, results, item, direction)
-            axes.set_title(f"{item}, {direction}")
+        row[0].set_title(item)
     for direction, axes in zip(shown, grid[-1], strict=True):
         axes.set_xlabel(f"{direction} force of the hinge on the float [{results.force[0]}]")
     key(figure, results, FORCE)

@@ -51,15 +51,15 @@ class OfTasks(NamedTuple):
     @classmethod
     def of(cls, each: xr.DataArray, weights: Any, outer: Sequence[Hashable]) -> OfTasks:
         """weights as `over_seas` takes them; outer: the other dimensions, in order."""
-        import xarray as xr
+        dims = *outer, "seed", "sea_state"
+        shape = [each.sizes.get(dim, 1) for dim in dims]
 
-        known = _by_task(each)
-        beside = each.coords.get(ERROR, 0.0 * known.fillna(0.0)), each.coords.get(SINGLE, xr.DataArray(False))
-        numbers, errors, single = (
-            of.drop_vars(BESIDE, errors="ignore").broadcast_like(known).transpose(*outer, "seed", "sea_state").values
-            for of in (known, *beside)
-        )
-        return cls(numbers, errors, np.all(single, axis=-2), occurrence(weights, numbers.shape[-1]))
+        def spread(of: Any) -> np.ndarray:
+            return np.asarray(of.variable.set_dims(dims, shape))
+
+        beside = (spread(each.coords[name]) if name in each.coords else np.zeros(shape) for name in (ERROR, SINGLE))
+        numbers, errors, single = spread(each), *beside
+        return cls(numbers, errors, np.all(single, axis=-2), occurrence(weights, shape[-1]))
 
     def ends(self) -> np.ndarray:
         """Value, low and high of the mean (…, 3): see `over_seas`."""

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import SMALL
+from matplotlib.lines import Line2D
 
 from pipeline.bridge.loading import load
 from pipeline.cli import cli
 from pipeline.report import envelopes, figures, overview, page, sketch, strips
 from pipeline.report.along import along
-from pipeline.report.drawing import plain, png, svg
+from pipeline.report.drawing import above, canvas, plain, png, svg
 from pipeline.report.published import COLUMNS, read_published
 from pipeline.report.responses import responses
 from pipeline.tasks.study import Study
@@ -236,6 +237,17 @@ def test_floats_beyond_the_colours_have_other_marks_and_those_that_hide_one_anot
     assert [text.get_text() for text in key.get_texts()] == ["f0, f1, f7", *(f"f{i}" for i in range(2, 7))]
     assert key.legend_handles[0].get_marker() == "s"  # of the one on top
     assert [text.get_text() for text in apart.get_texts()] == [*size]
+
+
+@pytest.mark.parametrize(("letters", "columns"), [(2, 6), (15, 3), (60, 1), (200, 1)])
+def test_a_key_is_no_wider_than_its_figure(letters, columns):
+    """Where words are short six stand in a row; longer than the figure nothing can be."""
+    figure = canvas(9.0, 3.0)
+    with plain():
+        above(figure, [Line2D([], [], marker="o", label=i * "-" + letters * "m") for i in range(7)])
+    (key,) = figure.legends
+    assert key._ncols == columns
+    assert (key.get_window_extent().width <= figure.bbox.width) == (letters < 200)
 
 
 @pytest.mark.parametrize(

@@ -385,6 +385,13 @@ def test_components_have_lines_of_their_own_and_those_that_there_are_none_of_hav
     assert len(list(report.summary_rows(none.to_dataset(name="base_shear")))) == 6
 
 
+def test_a_narrow_terminal_cuts_no_number_of_the_summary():
+    large = xr.DataArray([1.234567e8], dims=["statistic"], coords={"statistic": ["max"]})
+    console = Console(record=True, width=40)
+    report.print_summary(large.to_dataset(name="absorbed_power"), console)
+    assert console.export_text().split("\n")[1].split() == ["absorbed_power", "max", *3 * ["1.235e+08"], "W"]
+
+
 def test_electrical_power_is_of_the_floats_that_absorb(data):
     """Of one without an efficiency what it absorbs; a mean over the others alone might exceed the absorbed one."""
     power = data.absorbed_power.expand_dims(statistic=["mean"])
