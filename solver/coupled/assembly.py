@@ -1,7 +1,7 @@
 """The seam between objects and kernels: a scene becomes the arrays that the march reads."""
 
 from collections.abc import Iterable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from solver.coupled.sliding import Places
 from solver.coupled.support import PLANAR, Support
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.pressure.quadrature import WettedQuadrature, quadrature
+from solver.hydrodynamics.pressure.quadrature import WettedQuadrature, azimuths_for, quadrature
 from solver.hydrodynamics.pressure.wetted_panels import WettedPanels, longest_side, wetted_panels
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import shared
@@ -186,11 +186,16 @@ def rules(scene: Scene, field: WaveField) -> dict[str, Any]:
     """Fields of Bodies by which the pressure on each float is integrated; nothing where it is linear."""
     s, flat = scene.settings, motions.in_plane(scene)
     hulls = [None if isinstance(f.hull, PanelHull) else f.hull for f in scene.floats]
-    points = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
-    quadratures = [
-        quadrature(hull, **points, half=all(flat)) if nonlinear and hull else None
-        for hull, nonlinear in zip(hulls, scene.nonlinear, strict=True)
-    ]
+    summed = [hull if nonlinear else None for hull, nonlinear in zip(hulls, scene.nonlinear, strict=True)]
+    rule = partial(
+        quadrature,
+        azimuths=azimuths_for(filter(None, summed), s.azimuths, field.mean_length),
+        arc_points=s.arc_points,
+        line_points=s.line_points,
+        half=all(flat),
+        mean_length=field.mean_length,
+    )
+    quadratures = [rule(hull) if hull else None for hull in summed]
     return {
         "meshed": np.array([hull is None for hull in hulls], bool),
         "rule": _stacked(quadratures),

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from solver.coupled.assembly import joint_law
 from solver.coupled.energy import JOINT_DAMPING, PTO, RADIATION, WAVE, WORKS
+from solver.coupled.preparation import around
 from solver.coupled.sliding import leaders
 from solver.errors import InputError
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
@@ -18,7 +19,7 @@ from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.surface import split
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load
-from solver.hydrodynamics.pressure.quadrature import quadrature, quadrature_room
+from solver.hydrodynamics.pressure.quadrature import azimuths_for, quadrature, quadrature_room
 from solver.hydrodynamics.pressure.wetted_panels import longest_side, panels_pressure, panels_room, wetted_panels
 from solver.multibody.of_axes import joint_loads
 from solver.reference import axes as joint_axes
@@ -57,9 +58,13 @@ class PressureForce:
             self.meshes = [self._mesh(f.hull, panels) for f in scene.floats]
         elif not self.linear:
             self.quadratures = [self._quadrature(f.hull) for f in scene.floats]
-            about, left = LARGE
-            self.terms = [max(TERMS, field.terms_for(about * f.hull.size, left)) for f in scene.floats]
+            self.terms = [max(TERMS, field.terms_for(self._reach(f.hull), LARGE[1])) for f in scene.floats]
             self.rows = [field.local_pressure(f.centre, n) for f, n in zip(scene.floats, self.terms, strict=True)]
+
+    def _reach(self, hull: Hull) -> float:
+        """How far about rest a series is to hold [m]: where the waves are too short for that, as far as floats get."""
+        reach, left = LARGE[0] * hull.size, LARGE[1]
+        return reach if self.field.near(reach, left) == self.field else around(self.scene, self.field)[1]
 
     def _quadrature(self, hull: Hull) -> Quadrature:
         s = self.scene.settings
@@ -67,8 +72,10 @@ class PressureForce:
             panels = wetted_panels([hull], [self._side(hull)], [False])
             pieces = panels_room(panels)
             return lambda x, R, waves, load: panels_pressure(0, x, R, panels, waves, pieces, load)
-        points = {"azimuths": s.azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
-        rule = quadrature(hull, **points, half=self.scene.planar)
+        length = self.field.mean_length
+        azimuths = azimuths_for([hull], s.azimuths, length)
+        points = {"azimuths": azimuths, "arc_points": s.arc_points, "line_points": s.line_points}
+        rule = quadrature(hull, **points, half=self.scene.planar, mean_length=length)
         room = quadrature_room(rule)
         return lambda x, R, waves, load: pressure_load(x, R, rule, waves, room, load)
 

@@ -87,9 +87,21 @@ class Settings:
     modes: Annotated[
         int | Literal["all"], Quantity(least=1, most=1000), "Lowest modes of the platform, besides static load shapes"
     ] = 6
-    azimuths: Annotated[int, Quantity(least=1, most=1000), "Of the wetted surface's quadrature, full circle"] = 12
-    arc_points: Annotated[int, Quantity(least=1, most=1000), "Quadrature points on a meridian's arc"] = 6
-    line_points: Annotated[int, Quantity(least=1, most=1000), "Quadrature points on a meridian's straight part"] = 3
+    azimuths: Annotated[
+        int,
+        Quantity(least=1, most=1000),
+        "Of the wetted surface's quadrature, full circle; more of hulls with a radius above two 1/k of the mean wave",
+    ] = 12
+    arc_points: Annotated[
+        int,
+        Quantity(least=1, most=1000),
+        "Quadrature points on a meridian's arc, or on each part of one that is longer than four 1/k of the mean wave",
+    ] = 6
+    line_points: Annotated[
+        int,
+        Quantity(least=1, most=1000),
+        "Quadrature points on a meridian's straight part, or on each part of one that is longer than two of these",
+    ] = 3
     panel_size: Annotated[
         float,
         Quantity(least=0.01, most=10),

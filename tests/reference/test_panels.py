@@ -60,7 +60,7 @@ def by_quadrature(shift, rotation, t, *, heading=0.0, depth=DEPTH, wheeler=False
     real, field = sea(heading, depth)
     rows = field.local_pressure(CENTRE, 30)
     c = np.ascontiguousarray((rows * np.exp(-1j * real.omega * t)).sum(axis=-1).real)
-    rule = quadrature(BUAN, azimuths=256, arc_points=30, line_points=30, half=False)
+    rule = quadrature(BUAN, azimuths=256, arc_points=30, line_points=30, half=False, mean_length=np.inf)
     out, direction = np.zeros(6), field.direction[:2].copy()
     waves = Incident(*c, 99, CENTRE, direction, RHO_G, wheeler, depth)
     pressure_load(CENTRE + shift, rotation, rule, waves, quadrature_room(rule), out)

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.coupled.preparation import prepare
+from solver.coupled.preparation import around, prepare
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.reference.convolution import Convolution, CosineTransform
-from solver.reference.loads import held
+from solver.reference.loads import PressureForce, held
 from solver.reference.run import simulate_reference
 from solver.run import simulate
 from solver.scene import EndStops, Float, Platform, Scene, Settings, Water
+from solver.sea.field import wave_field
 from solver.sea.realization import CALM, realize, regular
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.frame import Frame
@@ -324,3 +325,21 @@ def test_two_hundred_seconds_coupled():
     from studies.reference import ALLOWED, differences
 
     assert all(difference < ALLOWED for _, _, difference, judged in differences() if judged)
+
+
+@pytest.mark.parametrize("heave", [-1.0, 1.0])
+def test_pressure_on_a_deep_float_in_short_waves(heave):
+    """These are too short for a series of two of its sizes: it is as far as the float gets, and the panels' there."""
+    spar = Revolution.vertical_cylinder(radius=2.0, draft=22.0, freeboard=3.0)
+    item = Float(name="spar", hull=spar, mass=2.8e5, inertia=(8e6,) * 3, hinge=(0.0, 0.0, 0.0), motion=("heave",))
+    waves = realize(PiersonMoskowitz(Hs=1.5, Tp=7.0), components=60, band=(0.45, 2.7), seed=0)
+    deep = Scene(water=Water(depth=60.0), sea=waves, floats=(item,))
+    field = wave_field(waves, 60.0, deep.water.gravity, None)
+    near, reach, _ = around(deep, field)
+    assert near == field and reach > spar.size + abs(heave)
+    with pytest.raises(InputError, match="too short"):
+        field.terms_for(2 * spar.size, 1e-9)
+    place = np.array([0.0, 0.0, heave]), np.eye(3)
+    force = [PressureForce(deep, field, kind, (80, 64), None) for kind in ("quadrature", "panels")]
+    series, panels = (of.at(3.0, 1.0)(0, *place) - of.at(3.0, 0.0)(0, *place) for of in force)
+    assert series == approx(panels, abs=2e-3 * np.abs(panels).max() * spar.size)

@@ -1,5 +1,8 @@
 """Points on the wetted part of a hull of revolution: where pressure is summed."""
 
+import math
+from collections.abc import Iterable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -7,6 +10,9 @@ import numpy as np
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.kernels import kernel
 from solver.sea.field import MOST_TERMS
+
+LINE, ARC = 2.0, 4.0  # of 1/k of the mean wave: no line or arc that a rule's points are put on is longer
+RADIUS = 2.0  # so many 1/k: of wider hulls more azimuths are summed, as many times as they are wider
 
 
 class WettedQuadrature(NamedTuple):
@@ -80,19 +86,26 @@ class Meridian(NamedTuple):
     z0: float
 
 
-def quadrature(hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool) -> WettedQuadrature:
-    """Rule with `azimuths` on the full circle; half = ψ in (0, π), rounded up, for a hull that stays in its plane."""
+def quadrature(
+    hull: Revolution, *, azimuths: int, arc_points: int, line_points: int, half: bool, mean_length: float
+) -> WettedQuadrature:
+    """Rule with `azimuths` on the full circle; half = ψ in (0, π), rounded up, for a hull that stays in its plane.
+
+    mean_length: 1/k of the mean wave [m]; `arc_points` and `line_points` are those of pieces that are short beside it.
+    """
     rows = []
     for segment in hull.meridian:
+        longest = mean_length * (LINE if segment.centre is None else ARC)
+        pieces = max(1, int(np.ceil(segment.length / longest - 1e-9)))
         if segment.centre is None:
-            (r0, z0), (r1, z1) = segment.start, segment.end
-            rd, zd = (r1 - r0) / 2, (z1 - z0) / 2
-            n_r, n_z = np.array([zd, -rd]) / np.hypot(rd, zd)
-            rows.append((0, (r0 + r1) / 2, rd, (z0 + z1) / 2, zd, n_r, n_z))
+            for (r0, z0), (r1, z1) in pairwise(np.linspace(segment.start, segment.end, pieces + 1)):
+                rd, zd = (r1 - r0) / 2, (z1 - z0) / 2
+                n_r, n_z = np.array([zd, -rd]) / np.hypot(rd, zd)
+                rows.append((0, (r0 + r1) / 2, rd, (z0 + z1) / 2, zd, n_r, n_z))
             continue
         start, end = segment.angles
         # u -> φ by t = tan is nearly linear only for short arcs: at most a right angle each.
-        pieces = int(np.ceil((end - start) / (np.pi / 2) - 1e-9))
+        pieces = max(pieces, int(np.ceil((end - start) / (np.pi / 2) - 1e-9)))
         cuts = np.linspace(start, end, pieces + 1)
         for a, b in zip(cuts[:-1], cuts[1:], strict=True):
             mid = (a + b) / 2
@@ -113,6 +126,12 @@ def quadrature(hull: Revolution, *, azimuths: int, arc_points: int, line_points:
         line_w=line[1],
         half=half,
     )
+
+
+def azimuths_for(hulls: Iterable[Revolution], usual: int, mean_length: float) -> int:
+    """Azimuths (full circle) that all hulls have, `usual` of those that are narrow beside 1/k of the mean wave [m]."""
+    widest = max((hull.largest_radius for hull in hulls), default=0.0)
+    return math.ceil(usual * max(1.0, widest / (RADIUS * mean_length)) - 1e-9)
 
 
 def _whole(

@@ -8,7 +8,7 @@ from pytest import approx
 
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.pressure.froude_krylov import Incident, pressure_load
-from solver.hydrodynamics.pressure.quadrature import quadrature, quadrature_room
+from solver.hydrodynamics.pressure.quadrature import azimuths_for, quadrature, quadrature_room
 from solver.sea.dispersion import wavenumber
 from solver.sea.field import WaveField
 from solver.sea.realization import realize
@@ -26,7 +26,7 @@ def pitched(angle):
 
 
 def load(hull, shift, angle, field, *, azimuths=16, arc=8, line=4, half=False, wheeler=False, depth=50.0):
-    rule = quadrature(hull, azimuths=azimuths, arc_points=arc, line_points=line, half=half)
+    rule = quadrature(hull, azimuths=azimuths, arc_points=arc, line_points=line, half=half, mean_length=np.inf)
     out = np.zeros(6)
     waves = Incident(*field, 99, CENTRE, np.array([1.0, 0.0]), RHO_G, wheeler, depth)
     pressure_load(CENTRE + shift, pitched(angle), rule, waves, quadrature_room(rule), out)
@@ -139,8 +139,32 @@ def test_half_the_azimuths_suffice_in_a_planar_scene(wheeler):
 
 
 def test_half_of_an_odd_number_of_azimuths_is_rounded_up():
-    rule = partial(quadrature, BUAN, arc_points=6, line_points=3, half=True)
+    rule = partial(quadrature, BUAN, arc_points=6, line_points=3, half=True, mean_length=np.inf)
     assert [len(rule(azimuths=n).azimuth) for n in (1, 12, 13)] == [1, 6, 7]
+
+
+@pytest.mark.parametrize(
+    "hull",
+    [
+        Revolution.vertical_cylinder(radius=2.0, draft=22.0, freeboard=3.0),  # 2.6 % off by three points along it
+        Revolution.vertical_cylinder(radius=20.0, draft=5.0, freeboard=2.0),  # 2.2 % by twelve azimuths
+        Revolution.sphere(radius=20.0, draft=20.0),
+    ],
+)
+def test_points_keep_to_the_waves_on_hulls_that_are_large_beside_them(hull):
+    sea = realize(PiersonMoskowitz(Hs=1.5, Tp=7.0), components=60, band=(0.45, 2.7), seed=0)
+    field = WaveField(sea, 60.0, 9.81)
+    rows, length, forces = field.local_pressure(np.zeros(3), 60), field.mean_length, np.zeros((2, 20, 6))
+    for more, loads in zip((1, 4), forces, strict=True):
+        azimuths = azimuths_for([hull], more * 12, length)
+        points = {"azimuths": azimuths, "arc_points": more * 6, "line_points": more * 3}
+        rule = quadrature(hull, **points, half=False, mean_length=length)
+        for t, force in zip(np.arange(100.0, 150.0, 2.5), loads, strict=True):
+            local = np.ascontiguousarray((rows * np.exp(-1j * sea.omega * t)).sum(axis=-1).real)
+            waves = Incident(*local, 99, np.zeros(3), np.array([1.0, 0.0]), RHO_G, False, 60.0)
+            pressure_load(np.array([0.1, 0.0, 0.3]), np.eye(3), rule, waves, quadrature_room(rule), force)
+    usual, exact = forces[..., [0, 2]]
+    assert np.all((usual - exact).std(axis=0) < 2e-3 * exact.std(axis=0))
 
 
 def test_small_wave_gives_the_linear_force_and_the_quadratic_rest():
