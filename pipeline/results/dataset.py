@@ -162,19 +162,27 @@ def _dataset(
     knobs: dict[str, float] = {}
     for name in sorted(arrays.values):
         values, inner = arrays.whole(name), arrays.dims[name]
-        if name in coordinates and name in KNOBS:
-            continue  # an axis gives it
-        if name in KNOBS and (knob := _single(values[..., None], len(table))) is not None:
+        if name in coordinates and name in KNOBS and _given(values, coordinates[name], table):
+            continue
+        if name in KNOBS.keys() - coordinates and (knob := _single(values[..., None], len(table))) is not None:
             knobs[name] = float(knob[0])
         elif name == ALONG_MODE and (single := _single(values, len(table))) is not None:
             variables[name] = Variable(inner, single, meaning(name))
         else:
-            # Beside what an axis gives: "balance", or none at all.
+            # Beside what an axis gives: "balance", none at all, or what a tolerance chose in its place.
             own = f"{name}{FOUND}" if name in coordinates else name
             variables[own] = Variable((*outer, *inner), values[keep], meaning(name, axes_met))
     for name, texts in words.items():
         variables[name] = Variable(tuple(outer), np.asarray(texts[keep]), meaning(name))
     return coordinates | _with_coordinates(variables, coordinates), _attributes(study) | knobs
+
+
+def _given(values: np.ndarray, axis: Variable, table: Mapping[str, Sequence[Label]]) -> bool:
+    """Whether an axis gives what records hold, wherever both are numbers."""
+    if axis.values.dtype.kind not in "fiu":
+        return True
+    given = axis.values.reshape([len(labels) if name in axis.dims else 1 for name, labels in table.items()])
+    return bool(np.all(np.isclose(values, given, rtol=SAME, atol=0.0) | np.isnan(values) | np.isnan(given)))
 
 
 def _single(values: np.ndarray, outer: int) -> np.ndarray | None:

@@ -881,6 +881,13 @@ def test_keys_of_one_dimension_are_called_as_dimensions_are(changed, small):
     assert data["platform.materials.steel.density"].dims == ("sample",) and "time_step_found" not in data
 
 
+def test_a_knob_that_a_tolerance_chose_stands_beside_the_axis_over_it(changed, small):
+    """Else what goes along the axis looks converged."""
+    small.write_text(small.read_text().replace("seed = [0, 1]", 'seed = [0]\n"solver.time_step" = [0.1, 0.2]'))
+    data = changed(lambda parameters, record: record.attrs.update(time_step=0.05))
+    assert data.time_step.values.tolist() == [0.1, 0.2] and (data.time_step_found == 0.05).all()
+
+
 MANY_AXES = """
 platform = ["elastic"]
 sea_state = ["calm"]
