@@ -9,10 +9,11 @@ from pathlib import Path
 from pipeline import environment
 from pipeline.bridge.geometry import Geometry
 from pipeline.cli.console import DONE, FAILED, Tally, compare, finish, looked, say
-from pipeline.results.netcdf import Variable
+from pipeline.results.netcdf import Variable, to_file
 from pipeline.results.status import read_json
-from pipeline.results.store import UNFINISHED, Store, sha256, write_json
+from pipeline.results.store import UNFINISHED, Store, appearing, sha256, write_json
 from pipeline.running.place import Place
+from pipeline.study.reading import StudyError
 from pipeline.study.schema import StudyFile
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Task
@@ -152,6 +153,25 @@ def print_table(study: Study, path: Path) -> None:
         with contextlib.suppress(OSError):  # it saves time alone, and the folder may be for reading only
             write_json(kept, known)
     print(known["text"], end="", file=out.file)
+
+
+def answer(study: Study, path: Path, between: str) -> Path:
+    """Print the answers of the dataset at `path`, and write them beside it."""
+    from pipeline.report import answers, report
+    from pipeline.report.yearly import show
+    from pipeline.results import dataset
+
+    with dataset.opened(path) as data:
+        try:
+            pair = answers.pair_of(data, between)
+        except ValueError as error:
+            raise StudyError(study.path, [f"--between = {between}: {error}"]) from None
+        for table in (*report.answers(data), answers.table(found := answers.answers(data, pair))):
+            show(table, out)
+        written = path.with_name("answers.nc")
+        with appearing(written) as part:
+            to_file(part, answers.variables(found), found.attrs)
+    return written
 
 
 def _table(study: Study, path: Path) -> str:

@@ -1,4 +1,4 @@
-"""The command line: study new|keys|schema, and study plan|run|status|show|rerun|collect|verify|report|clean STUDY."""
+"""The command line: study new|keys|schema, and study plan|run|status|show|rerun|collect|answers|verify|report|clean FILE."""
 
 from __future__ import annotations
 
@@ -313,13 +313,7 @@ def report(
     study = load(study_file)
     if figure and figure.suffix.lower() != ".png":
         raise StudyError(study.path, [f"--figure = {figure}: must end with .png, the one format it has"])
-    store = store_of(study, results)
-    path = store.root / "statistics.nc"
-    if not (path.exists() or store.begun()):
-        raise StudyError(study.path, [f"{path}: not there yet; `{store.command('run', study.path)}` makes it"])
-    if why := dataset.outdated(study, store):
-        _, counts = dataset.collect(study, store)
-        say(f"{path}: {why}, and is collected again: {_counted(counts)}", err)
+    path = _up_to_date(study, results)
     actions.print_table(study, path)
     if best:
         with dataset.opened(path) as data:
@@ -332,6 +326,39 @@ def report(
         say(f"{study.path}: warning: the page cannot be written: {error.filename}: {error.strerror}", err)
     else:
         say(str(drawn))
+
+
+def _up_to_date(study: Study, results: Path) -> Path:
+    """The dataset's path, where there is anything; collected again if need be."""
+    from pipeline.results import dataset
+
+    store = store_of(study, results)
+    path = store.root / "statistics.nc"
+    if not (path.exists() or store.begun()):
+        raise StudyError(study.path, [f"{path}: not there yet; `{store.command('run', study.path)}` makes it"])
+    if why := dataset.outdated(study, store):
+        _, counts = dataset.collect(study, store)
+        say(f"{path}: {why}, and is collected again: {_counted(counts)}", err)
+    return path
+
+
+@app.command()
+def answers(
+    study_file: StudyPath,
+    results: ResultsFolder = RESULTS,
+    between: Annotated[
+        str,
+        typer.Option(
+            "--between",
+            metavar="AXIS=A,B",
+            help="Two designs of which differences are told, A less B; left out, those of an axis that alone has two",
+        ),
+    ] = "",
+) -> None:
+    """Print what a study is for, and write results/<study>/answers.nc: energy, life, differences, with intervals."""
+    study = load(study_file)
+    path = _up_to_date(study, results)
+    say(str(actions.answer(study, path, between)))
 
 
 @app.command(epilog="Exit status: 0 all whole, 1 something damaged or another record at the second time, 2 bad input.")

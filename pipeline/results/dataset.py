@@ -30,7 +30,7 @@ MARK = ".statistics.json"  # beside the dataset: what it was made of
 NO_STATE = ""  # the mark that no records have: the dataset is collected again
 TOLD = ("failure", "unmet", "warnings")  # of an entry, in words
 NO_TASK = "no task"  # the state of a cell that its variant does not go along
-LAYOUT = 9  # raise it when the dataset's form changes, so that it is written anew
+LAYOUT = 10  # raise it when the dataset's form changes, so that it is written anew
 
 
 Cell = tuple[int, ...]
@@ -174,7 +174,7 @@ def _dataset(
             variables[own] = Variable((*outer, *inner), values[keep], meaning(name, axes_met))
     for name, texts in words.items():
         variables[name] = Variable(tuple(outer), np.asarray(texts[keep]), meaning(name))
-    return coordinates | _with_coordinates(variables, coordinates), _attributes(study) | knobs
+    return coordinates | with_coordinates(variables, coordinates), _attributes(study) | knobs
 
 
 def _given(values: np.ndarray, axis: Variable, table: Mapping[str, Sequence[Label]]) -> bool:
@@ -259,7 +259,7 @@ def _words_or_numbers(values: Sequence[Any]) -> np.ndarray:
     return np.array(list(values), dtype=object if isinstance(values[0], str) else None)
 
 
-def _with_coordinates(variables: dict[str, Variable], coordinates: Mapping[str, Variable]) -> dict[str, Variable]:
+def with_coordinates(variables: dict[str, Variable], coordinates: Mapping[str, Variable]) -> dict[str, Variable]:
     """Name the coordinates that are not dimensions, as CF asks, and mark what is missing."""
     marked = {}
     for name, (dims, values, attrs) in variables.items():

@@ -496,6 +496,17 @@ def test_a_report_that_is_current_is_not_written_again(cli, tmp_path, drawn):
     assert drawn.count("page") == 2
 
 
+def test_answers_are_printed_and_written_beside_the_dataset(cli, tmp_path):
+    cli("answers", code=1)  # nothing has run
+    cli("run", "--workers", "1", "--select", "platform=fixed")
+    told = cli("answers", "--between", "platform=elastic,fixed")
+    path = tmp_path / "r" / "small" / "answers.nc"
+    assert str(path) in told.replace("\n", "") and "Differences" not in told  # of the other there is no number
+    with dataset.opened(path) as data:
+        assert data.estimate.values.tolist() == ["value", "low", "high"]
+    cli("answers", "--between", "seed=0,1", code=1)
+
+
 def test_a_report_that_cannot_be_written_is_a_warning(cli, tmp_path, drawn, monkeypatch):
     """As in a folder for reading only, where neither page nor table can be kept."""
     from pipeline.report import page

@@ -1,0 +1,155 @@
+"""What a study is for as a dataset: quantities over all sea states with their intervals, and how two designs differ.
+
+A difference is taken in each realization first, whose waves both designs meet: its interval is far narrower than that
+of either.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Hashable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from pipeline.report.best import power_in
+from pipeline.report.energy import powers
+from pipeline.report.life import AT, lives
+from pipeline.report.yearly import (
+    ESTIMATES,
+    FAILED,
+    HOUR,
+    LEVEL,
+    YEAR,
+    Table,
+    cells,
+    failures,
+    over_seas,
+    realized,
+    sea_keys,
+    texts,
+    weighed,
+)
+from pipeline.results.dataset import with_coordinates
+from pipeline.results.netcdf import Variable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+TITLE = "Differences in the same waves"
+NOTE = f"Mean over realizations and sea states; low and high: {LEVEL:.0%} by Student's t of realizations' differences."
+DIFFERENCE = "_difference"
+ESTIMATE = f"Mean, and the ends of its interval ({LEVEL:.0%}), which are missing where nothing tells it"
+TASKS = ("sea_state", "seed")
+KEPT = ("Conventions", "title", "source", "study")  # attributes of the collected dataset
+
+
+class _Quantity(NamedTuple):
+    """Of which answers are means over realizations and sea states."""
+
+    each: xr.DataArray  # of the tasks
+    units: str
+    long_name: str
+
+
+class Pair(NamedTuple):
+    """Two labels along an axis, of which differences are the first less the second."""
+
+    axis: Hashable
+    labels: tuple[Hashable, Hashable]
+
+
+def answers(data: xr.Dataset, pair: Pair | None) -> xr.Dataset:
+    """Along `estimate`: `mean_power`, `annual_energy`, `capture_width` (float), `life` and `damage` (leg, fibre), as
+    far as a collected dataset has them, and `<quantity>_difference` of a pair."""
+    import xarray as xr
+
+    data, found = weighed(data), dict[str, xr.DataArray]()
+    seas = "by their occurrence" if "occurrence" in data.coords else "which all count alike"
+    for name, (each, units, long_name) in _quantities(data):
+        attrs = {"units": units, "long_name": long_name, "comment": f"Mean over realizations and sea states, {seas}"}
+        left_out = {"units": "1", "long_name": "Number of realizations that failed, which are in no mean"}
+        found.setdefault(FAILED, failures(each).assign_attrs(left_out))
+        found[name] = over_seas(each, data).assign_attrs(attrs)
+        if pair and pair.axis in each.dims:
+            one, other = (each.sel({pair.axis: label}, drop=True) for label in pair.labels)
+            first, second = (f"{pair.axis}={_word(label)}" for label in pair.labels)
+            told = {"first": first, "second": second, "long_name": f"{long_name}: first less second, in the same waves"}
+            found[f"{name}{DIFFERENCE}"] = over_seas(one - other, data).assign_attrs(attrs | told)
+    for variable, end in AT.items():
+        if variable in data:
+            steel = lives(data, variable)
+            attrs = {"long_name": f"Life of the steel by fatigue, 1/{variable}, at the {end} of a leg", "units": "s"}
+            found[variable.replace("damage", "life")] = steel["life"].assign_attrs(attrs)
+            # Of the logarithm, as in tables: damage is skewed.
+            found[variable] = steel["damage"].assign_attrs(found[variable].attrs)
+    kept = {name: data.attrs[name] for name in KEPT if name in data.attrs}
+    return xr.Dataset(found, {"estimate": list(ESTIMATES)}, kept)
+
+
+def _quantities(data: xr.Dataset) -> Iterator[tuple[str, _Quantity]]:
+    if variable := power_in(data):
+        each = powers(data, variable).compute()
+        word = variable.replace("_", " ")
+        yield "mean_power", _Quantity(each, "W", f"Mean {word}")
+        yield "annual_energy", _Quantity(each * YEAR * HOUR, "J", f"Energy of a year, of {word}")
+    if "absorbed_power" in data and "wave_power" in data:
+        each = powers(data, "absorbed_power").compute()
+        carried = over_seas(realized(data, data["wave_power"]), data).sel(estimate="value", drop=True)
+        words = "Width of the waves' crests that carries the mean absorbed power"
+        yield "capture_width", _Quantity(each / carried, "m", words)
+    for variable, end in AT.items():
+        if variable in data:
+            words = f"Fatigue damage at the {end} of a leg"
+            yield variable, _Quantity(realized(data, data[variable]).compute(), "h-1", words)
+
+
+def pair_of(data: xr.Dataset, words: str) -> Pair | None:
+    """Of "axis=first,second"; of no words the only axis of two labels, in which the last is the first, if there is one.
+
+    Raises ValueError with what is wrong.
+    """
+    axes = {str(dim): data[dim] for dim in data["status"].dims if dim not in TASKS}
+    if not words:
+        two = [name for name, axis in axes.items() if axis.size == 2 and not sea_keys(axis)]
+        return Pair(two[0], tuple(axes[two[0]].values[::-1].tolist())) if len(two) == 1 else None
+    name, _, labels = words.partition("=")
+    if name not in axes:
+        raise ValueError(f"must begin with an axis: {', '.join(axes) or 'there is none'}")
+    known = {_word(label): label for label in axes[name].values.tolist()}
+    chosen = [_known(word.strip(), known) for word in labels.split(",")]
+    if len(chosen) != 2 or not {*chosen} <= known.keys() or chosen[0] == chosen[1]:
+        raise ValueError(f"must be {name}=FIRST,SECOND, two of {', '.join(known)}")
+    if keys := sea_keys(axes[name]):
+        raise ValueError(f"along {name} {', '.join(sorted(keys))} differ: designs must meet the same waves")
+    return Pair(name, (known[chosen[0]], known[chosen[1]]))
+
+
+def _word(label: Any) -> str:
+    return f"{label:g}" if isinstance(label, float) else str(label)
+
+
+def _known(word: str, known: Iterable[str]) -> str:
+    """A number as the axis writes it: 2e5 is 200000."""
+    with contextlib.suppress(ValueError):
+        return next((one for one in known if float(one) == float(word)), word)
+    return word
+
+
+def table(found: xr.Dataset) -> Table:
+    """Of the differences."""
+    lines: list[tuple[str, ...]] = []
+    title = TITLE
+    for name, of in found.data_vars.items():
+        if "second" in of.attrs:
+            title = f"{TITLE}: {of.attrs['first']} less {of.attrs['second']}"
+            for labels, place in cells(of, ["estimate"]):
+                quantity = f"{str(name).removesuffix(DIFFERENCE)} [{of.attrs['units']}]"
+                lines.append((", ".join(labels), quantity, *texts(of.isel(place).values)))
+    return Table(title, ("", "difference of", *ESTIMATES), lines, NOTE)
+
+
+def variables(found: xr.Dataset) -> dict[str, Variable]:
+    """As files have them."""
+    every = {str(name): Variable(tuple(map(str, of.dims)), of.values, of.attrs) for name, of in found.variables.items()}
+    coordinates = {name: of for name, of in every.items() if name in found.coords}
+    coordinates["estimate"] = coordinates["estimate"]._replace(attrs={"long_name": ESTIMATE})
+    return coordinates | with_coordinates({n: of for n, of in every.items() if n not in coordinates}, coordinates)

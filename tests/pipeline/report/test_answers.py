@@ -1,0 +1,102 @@
+"""Answers as a dataset: quantities with their intervals, and differences between two designs in the same waves."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from pytest import approx
+from scipy import stats
+
+from pipeline.report.answers import answers, pair_of, table
+from pipeline.report.energy import ALL, energies
+from pipeline.report.life import lives
+
+YEAR = 365.25 * 24 * 3600.0
+SCATTER = np.array([[0.0, 300.0, -300.0], [900.0, -900.0, 0.0]])  # of both designs, by sea state and realization
+AHEAD = np.array([[10.0, 12.0, 14.0], [40.0, 40.0, 43.0]])  # what the second design has more
+
+
+def dataset(**coords):
+    """Two dampings in two seas of three realizations, which differ far more than the dampings do."""
+    first = 1e3 + SCATTER
+    power = np.stack([first, first + AHEAD], axis=-1)[..., None] * [1.0, 2.0]  # (sea_state, seed, damping, float)
+    dims = ("sea_state", "seed", "pto_damping", "float")
+    return xr.Dataset(
+        {
+            "absorbed_power": ((*dims, "statistic"), power[..., None]),
+            "wave_power": (dims[:3], np.broadcast_to(np.array([50.0, 90.0])[:, None, None], (2, 3, 2))),
+            "damage": ((*dims[:3], "leg", "fibre"), power[..., :1, None] * 1e-9),
+            "status": (dims[:3], np.full((2, 3, 2), "done", dtype="U8")),
+        },
+        {
+            "statistic": ["mean"], "float": ["front", "rear"], "pto_damping": [1e5, 2e5], "leg": [1], "fibre": [1],
+            "sea_state": ["calm", "rough"], "occurrence": ("sea_state", [0.75, 0.25]), **coords,
+        },
+        {"title": "Two dampings"},
+    )  # fmt: skip
+
+
+def test_quantities_are_those_of_the_tables():
+    data = dataset()
+    found = answers(data, None)
+    known, steel = energies(data), lives(data)
+    assert found.mean_power.values == approx(known.power.values) and found.annual_energy.attrs["units"] == "J"
+    assert found.annual_energy.values == approx(known.energy.values)
+    assert found.capture_width.values == approx(known.power.values / (0.75 * 50 + 0.25 * 90))
+    assert found.life.values == approx(steel.life.values) and found.damage.values == approx(steel.damage.values)
+    assert not [name for name in found if "difference" in str(name)] and found.attrs["title"] == "Two dampings"
+    assert found.estimate.values.tolist() == ["value", "low", "high"] and found.life.attrs["units"] == "s"
+
+
+def test_a_difference_has_the_interval_of_differences_in_the_same_waves():
+    data = dataset()
+    found = answers(data, pair_of(data, ""))
+    mean = 0.75 * 12.0 + 0.25 * 41.0
+    parts = np.array([0.75**2 * AHEAD[0].var(ddof=1), 0.25**2 * AHEAD[1].var(ddof=1)]) / 3
+    half = stats.t.ppf(0.975, parts.sum() ** 2 / (parts**2 / 2).sum()) * np.sqrt(parts.sum())
+    ahead = found.mean_power_difference
+    assert ahead.sel({"float": "front"}).values == approx([mean, mean - half, mean + half])
+    assert ahead.sel({"float": ALL}).values == approx(3 * np.array([mean, mean - half, mean + half]))
+    assert found.annual_energy_difference.values == approx(ahead.values * YEAR)
+    assert found.damage_difference.values.ravel() == approx(ahead.sel({"float": "front"}).values * 1e-9)
+    assert (ahead.attrs["first"], ahead.attrs["second"]) == ("pto_damping=200000", "pto_damping=100000")
+    other = answers(data, pair_of(data, "pto_damping=1e5, 2e5")).mean_power_difference
+    assert other.sel({"float": "front"}).values == approx([-mean, -mean - half, -mean + half])
+    told = table(found)
+    assert told.title.endswith("pto_damping=200000 less pto_damping=100000")
+    assert ("front", "mean_power [W]", f"{mean:.3g}", f"{mean - half:.3g}", f"{mean + half:.3g}") in told.lines
+    assert not table(answers(data, None)).lines
+
+
+def test_realizations_that_failed_are_counted():
+    data = dataset().copy(deep=True)
+    data.absorbed_power[0, 1, 1] = np.nan
+    data.status[0, 1, 1] = "failed"
+    found = answers(data, pair_of(data, ""))
+    assert found.failed_realizations.sel({"float": "front"}).values.tolist() == [0, 1]
+    assert found.mean_power_difference.sel({"float": "front", "estimate": "value"}) == approx(0.75 * 12 + 0.25 * 41)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("mass=1,2", "must begin with an axis: pto_damping"),
+        ("pto_damping", "must be pto_damping=FIRST,SECOND, two of 100000, 200000"),
+        ("pto_damping=1e5,3e5", "two of 100000, 200000"),
+        ("pto_damping=1e5,1e5", "two of 100000, 200000"),
+    ],
+)
+def test_what_is_no_pair_is_refused(words, told):
+    with pytest.raises(ValueError, match=told):
+        pair_of(dataset(), words)
+
+
+def test_designs_that_meet_other_waves_have_no_difference():
+    data = dataset(pto_damping=("pto_damping", [1e5, 2e5], {"long_name": "depth (water.depth)"}))
+    assert pair_of(data, "") is None
+    with pytest.raises(ValueError, match="along pto_damping depth differ"):
+        pair_of(data, "pto_damping=1e5,2e5")
+
+
+def test_a_dataset_without_power_or_damage_has_no_answers():
+    found = answers(dataset()[["wave_power", "status"]], None)
+    assert not found.data_vars and found.estimate.size == 3
