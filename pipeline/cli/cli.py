@@ -1,4 +1,4 @@
-"""The command line: study new|keys|schema, and study plan|run|status|show|rerun|collect|answers|verify|report|clean FILE."""
+"""The command line: study new|keys|schema|outputs, and plan|run|status|show|rerun|collect|answers|report|verify|clean."""
 
 from __future__ import annotations
 

@@ -182,7 +182,7 @@ def _given(values: np.ndarray, axis: Variable, table: Mapping[str, Sequence[Labe
     if axis.values.dtype.kind not in "fiu":
         return True
     given = axis.values.reshape([len(labels) if name in axis.dims else 1 for name, labels in table.items()])
-    return bool(np.all(np.isclose(values, given, rtol=SAME, atol=0.0) | np.isnan(values) | np.isnan(given)))
+    return bool(np.all(np.isclose(values, given, atol=0.0, rtol=SAME) | np.isnan(values) | np.isnan(given)))
 
 
 def _single(values: np.ndarray, outer: int) -> np.ndarray | None:
