@@ -1,4 +1,4 @@
-"""The command line: study new|keys|schema|outputs, and plan|run|status|show|rerun|collect|answers|report|verify|clean."""
+"""The command line: new|keys|outputs|schema, and plan|run|status|show|rerun|collect|answers|report|verify|clean STUDY."""
 
 from __future__ import annotations
 
