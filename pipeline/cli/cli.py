@@ -1,4 +1,4 @@
-"""The command line: new|keys|outputs|schema, and plan|run|status|show|rerun|collect|answers|report|verify|clean STUDY."""
+"""The command line: new|keys|outputs|schema, and plan|run|status|show|rerun|collect|answers|report|verify|clean FILE."""
 
 from __future__ import annotations
 
