@@ -1,4 +1,4 @@
-"""The command line: new|keys|outputs|schema, and plan|run|status|show|rerun|collect|answers|report|verify|clean FILE."""
+"""The command line: study new|keys|outputs|schema|plan|run|status|show|rerun|collect|answers|report|verify|clean."""
 
 from __future__ import annotations
 
