@@ -17,6 +17,7 @@ from scipy.special import ndtr, ndtri
 
 from solver.kernels import kernel, whole_kernel
 from solver.keys import shared
+from solver.lines import squares
 from solver.power_takeoff import PtoEfficiency
 from solver.statistics import FAINT, Statistics
 
@@ -170,7 +171,7 @@ def of_lines(A: np.ndarray, X: np.ndarray) -> float:
     """
     AS, AX = A @ covariance(X, X), X @ A
     whole = 2 * np.sum(AS * AS.T)
-    steady = np.sum(np.sum((X.conj() * AX).real, axis=1) ** 2 / 4 + np.abs(np.sum(X * AX, axis=1)) ** 2 / 8)
+    steady = np.sum(np.sum((X.conj() * AX).real, axis=1) ** 2 / 4 + squares(np.sum(X * AX, axis=1)) / 8)
     return float(np.sqrt(1 - steady / whole)) if whole > 0 else 1.0
 
 
@@ -189,7 +190,7 @@ def _beyond(m0: np.ndarray, m2: np.ndarray, duration: float) -> float:
 
 def spread(X: np.ndarray) -> np.ndarray:
     """std (n,) of lines (nl, n)."""
-    return np.sqrt(0.5 * np.sum(np.abs(X) ** 2, axis=0))
+    return np.sqrt(0.5 * squares(X).sum(axis=0))
 
 
 def share(X: np.ndarray, some: slice) -> float:

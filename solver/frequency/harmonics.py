@@ -29,7 +29,7 @@ from solver.frequency.drag_effect import Effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
-from solver.lines import real_by_complex, some
+from solver.lines import real_by_complex, some, squares
 from solver.multibody.joint_law import JointLaw
 from solver.record.probe import UNTOLD
 from solver.record.response import absorbs
@@ -189,7 +189,7 @@ def _extremes(
     if case.waves.size == 1:
         return 1.0
     linear, y = (waves.lattice.at_instants(np.concatenate([0 * x[:1], x[1:]])) for x in (usual, exact))
-    square, size = np.mean(y**2, axis=0), np.sum(np.abs(told) ** 2, axis=0)
+    square, size = np.mean(y**2, axis=0), squares(told).sum(axis=0)
     least = 2 * np.repeat(least_force(case.system.scene), 3) ** 2
     used = (square > 0) & (size > np.maximum(least, FAINT**2 * size.max(initial=0.0)))
     if not used.any():
@@ -204,7 +204,7 @@ def _extremes(
 
 def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:
     """Each at the middle of a share of what turns levers."""
-    power = np.sum(np.abs(response.Z[: case.waves.size, angles]) ** 2, axis=1)
+    power = squares(response.Z[: case.waves.size, angles]).sum(axis=1)
     order, count = np.argsort(case.waves), min(2, case.waves.size)
     share = np.cumsum(power[order]) / power.sum()
     place = order[np.searchsorted(share, (np.arange(count) + 0.5) / count)]
@@ -233,10 +233,10 @@ def _waves(case: Case, of: _Standing) -> _Waves:
 def _grown(waves: _Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> np.ndarray:
     """Squares (…) of a response (…), as its lines (nk, …) grow by exact ones in place of the usual."""
     own = waves.lattice.own
-    was, grown = (np.sum(np.abs(lines[own]) ** 2, axis=0) for lines in (usual, exact))
+    was, grown = (squares(lines[own]).sum(axis=0) for lines in (usual, exact))
     others = waves.more.copy()
     others[[0, *own]] = 0.0
-    besides = np.tensordot(others, np.abs(exact) ** 2, 1)
+    besides = np.tensordot(others, squares(exact), 1)
     change = np.divide(grown - was, was, out=np.zeros(was.shape), where=was > 0)
     return np.maximum(full * (1 + waves.more[own[0]] * change) + besides, 0.0)
 
@@ -246,7 +246,8 @@ def _of_motions(
 ) -> float:
     """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed."""
     rate = waves.omega[:, None]
-    square, of_rate = (np.sum(np.abs(x) ** 2, axis=0) for x in (response.X, response.omega[:, None] * response.X))
+    powers = squares(response.X)
+    square, of_rate = powers.sum(axis=0), response.omega**2 @ powers
     size = case.model.length * np.sqrt(square)
     used = size > FAINT * size.max(initial=0.0)
     takes = used & absorbs(case.system, law)
@@ -259,7 +260,7 @@ def _of_motions(
 
 def _of_forces(case: Case, waves: _Waves, forces: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> float:
     """The same of joints' forces (nl, nb, 3), but for those that count as zero."""
-    square = np.sum(np.abs(forces) ** 2, axis=0)
+    square = squares(forces).sum(axis=0)
     return _changed(square, _grown(waves, square, usual, exact), 2 * least_force(case.system.scene) ** 2)
 
 
@@ -289,13 +290,13 @@ def _of_frame(
     added[1:] = support.forces.whole(support.forces.of_motion(rate * P, rate**2 * P, carried[1:]))
     every = (steel.channels(lines) for lines in (frame.lines, usual, usual + added))
     for (_, lines), (_, before), (_, after) in zip(*every, strict=True):
-        square = np.sum(np.abs(lines) ** 2, axis=0)
+        square = squares(lines).sum(axis=0)
         yield _changed(square, _grown(waves, square, before, after))
-    squares = []
+    varies = []
     for lines in (usual, usual + added):
         axial, *bending = np.moveaxis(steel.compression(frame.level + lattice.at_instants(lines)), -1, 0)
-        squares.append(np.var(axial - np.hypot(*bending), axis=0))
-    change, full = waves.more[lattice.own[0]] * np.subtract(*squares[::-1]), 2 * compression**2
+        varies.append(np.var(axial - np.hypot(*bending), axis=0))
+    change, full = waves.more[lattice.own[0]] * np.subtract(*varies[::-1]), 2 * compression**2
     yield _changed(full, np.maximum(full + 2 * change, 0.0))
 
 

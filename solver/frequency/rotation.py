@@ -39,7 +39,7 @@ from solver.frequency.gaussian import covariance
 from solver.frequency.harmonics import BelowWaves, turning_effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
-from solver.lines import some
+from solver.lines import real_by_complex, some, squares
 from solver.multibody.joint_law import JointLaw
 from solver.record.beside import LIGHTLY, below
 from solver.statistics import STATISTICS
@@ -183,31 +183,29 @@ def below_the_waves(case: Case, response: Response) -> np.ndarray:
     if waves == 1:
         return np.zeros(len(model.mass))
     of, order = _slowly(case), np.argsort(case.waves)
-    power = np.sum(np.abs(response.Z[:waves, _turning(resting).angles]) ** 2, axis=1)[order]
+    power = squares(response.Z[:waves, _turning(resting).angles]).sum(axis=1)[order]
     power = np.maximum(power, ROUNDING * power.max())
     group = np.arange(waves)
     if waves > MANY:
         share = np.cumsum(power / power.sum() + 1 / waves) * MANY / 2
-        group = np.unique(np.minimum(share, MANY - 0.5).astype(int), return_inverse=True)[1]
-    whole, squares = (np.bincount(group, x) for x in (power, power**2))
-    largest = np.lexsort((power, group))[np.append(np.diff(group), 1) > 0]  # the last one of each group
+        group = np.minimum(share, MANY - 0.5).astype(int)
+    first = np.flatnonzero(np.diff(group, prepend=-1))  # of each group
+    whole, fourth = (np.add.reduceat(x, first) for x in (power, power**2))
+    largest = np.lexsort((-power, group))[first]
     place, height = order[largest], np.sqrt(whole / power[largest])
-    (i, j), omega = np.tril_indices(len(place)), case.waves[place]
-    apart = np.where(i == j, of.width / 3, omega[i] - omega[j])
-    weight = np.where(i == j, (1 - squares / whole**2)[i] / 2, 1.0)
-    slow = (weight > 0) & (apart > 0) & (apart < case.waves.min())
-    i, j, weight = i[slow], j[slow], weight[slow]
-    near = np.searchsorted(np.sqrt(of.omega[1:] * of.omega[:-1]), apart[slow])
+    omega = case.waves[place]
+    apart = omega[:, None] - omega + np.diag(np.full(omega.size, of.width / 3))
+    weight = 1 - np.diag(1 + fourth / whole**2) / 2
+    i, j = np.nonzero((weight > 0) & (apart > 0) & (apart < case.waves.min()))
+    near = np.searchsorted(np.sqrt(of.omega[1:] * of.omega[:-1]), apart[i, j])
     X, z, wrench = (some(each, place, height) for each in (response.X, response.Z, response.wrench))
-    W, s, turns = _added(case, omega, X, wrench), _states(omega, z), _turning(resting).levers
-    b = np.tensordot(turns.reshape(len(turns), -1, len(turns)), z, (0, 1)).transpose(1, 2, 0)  # (nz, m, 6nb)
-    lever = b @ W.conj().T
-    load = 0.5 * (lever + lever.conj().swapaxes(1, 2) + s @ _curvature(resting) @ s.conj().T)[:, i, j]
-    Z, variance = of.Z - 1j * of.omega[:, None, None] * response.damping, np.zeros(len(model.mass))
-    for k, receptance in enumerate(np.linalg.solve(Z, of.others)):
-        these = near == k
-        variance += np.abs(receptance @ load[:, these]) ** 2 @ weight[these] / 2
-    return variance
+    s, both = _states(omega, z), _both(resting)
+    half = real_by_complex(both.reshape(-1, both.shape[-1]), s.T).reshape(*both.shape[:2], omega.size)
+    half = half.swapaxes(1, 2) @ np.concatenate([_added(case, omega, X, wrench), s], axis=1).conj().T
+    load = 0.5 * np.sqrt(weight[i, j] / 2) * (half[:, i, j] + half[:, j, i].conj())
+    square = np.array([part @ part.conj().T for part in (load[:, near == k] for k in range(of.omega.size))])
+    receptance = np.linalg.solve(of.Z - 1j * of.omega[:, None, None] * response.damping, of.others)
+    return np.asarray(np.sum(receptance @ square * receptance.conj(), axis=(0, 2)).real)
 
 
 def resonant(case: Case, response: Response) -> list[tuple[_Swinging, float]]:
@@ -249,7 +247,7 @@ def _spectrum(of: _Swinging, band: np.ndarray, omega: np.ndarray, z: np.ndarray,
     first = np.concatenate([z, borne, states @ of.curvature], axis=1)[of.pairs[0]]
     second = np.concatenate([borne, z, states], axis=1)[of.pairs[1]]
     f = 0.5 * np.einsum("pi,pi->p", first, second.conj())
-    return float(0.5 * np.abs(f) ** 2 @ band)
+    return float(0.5 * squares(f) @ band)
 
 
 def _states(omega: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -310,3 +308,12 @@ def _curvature(resting: Resting) -> np.ndarray:
     curvature = np.empty((z.size, 3 * z.size, 3 * z.size))
     curvature[:, i, j] = curvature[:, j, i] = (load[0] + load[1] - load[2] - load[3]).T / (2 * NEAR) ** 2
     return curvature
+
+
+@lru_cache(maxsize=MODELS)
+def _both(resting: Resting) -> np.ndarray:
+    """Maps (nz, 6nb + 3nz, 3nz) of s to b and ½Hs of each load, which go with another wave's W' and s."""
+    levers, curvature = _turning(resting).levers, _curvature(resting)
+    nz = len(levers)
+    of_levers = np.pad(levers.reshape(nz, -1, nz).T, ((0, 0), (0, 0), (0, 2 * nz)))
+    return np.concatenate([of_levers, curvature / 2], axis=1)
