@@ -136,7 +136,7 @@ def content(variables: Mapping[str, Variable], attrs: Mapping[str, Any] = Mappin
     digest = hashlib.sha256(_words(attrs).encode())
     for name, (dims, values, var_attrs) in sorted(variables.items()):
         text = values.dtype.kind in "UO"
-        body = "\0".join(map(str, values.ravel())).encode() if text else np.ascontiguousarray(values).tobytes()
+        body = "\0".join(map(str, values.ravel().tolist())).encode() if text else np.ascontiguousarray(values).tobytes()
         head = f"{name}{dims}{values.shape}{'text' if text else values.dtype.str}{_words(var_attrs)}"
         digest.update(head.encode() + body)
     return digest.hexdigest()

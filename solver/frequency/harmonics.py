@@ -16,6 +16,7 @@ of x² at sums of frequencies; that at differences 1 - 1/n.
 """
 
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import product
 from typing import NamedTuple
 
@@ -24,12 +25,12 @@ import numpy as np
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import jacobian, of_waves
 from solver.frequency import gaussian
-from solver.frequency.case import Case
+from solver.frequency.case import KNOWN, Case
 from solver.frequency.drag_effect import Effect
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
-from solver.lines import real_by_complex, some, squares
+from solver.lines import real_by_complex, real_parts, some, squares
 from solver.multibody.joint_law import JointLaw
 from solver.record.probe import UNTOLD
 from solver.record.response import absorbs
@@ -91,6 +92,7 @@ class _Waves(NamedTuple):
     Y: np.ndarray  # (nk, na, na)
     excitation: np.ndarray  # (nk, nb, 6)
     force: np.ndarray  # on the floats' coordinates by that, at rest (nk, nz)
+    Z: np.ndarray  # dynamic stiffness (nk, n, n) without dampers
     against: np.ndarray  # load against these (nk, nz, nz), of the linear model
 
 
@@ -126,7 +128,7 @@ def turning_effect(
     waves = _waves(case, standing)
     lattice, omega, length = waves.lattice, waves.omega, case.model.length
     linear = lattice.first(standing.lines(response.X))
-    Z = case.model.assembled(omega, waves.against) - 1j * omega[:, None, None] * response.damping
+    Z = waves.Z - 1j * omega[:, None, None] * response.damping
     onto = np.tile(case.model.shape, (omega.size, 1, 1))
     onto[1:][np.abs(omega[1:]) < case.waves.min()] @= slow.others
     mobility = np.linalg.solve(Z[1:], onto[1:].swapaxes(1, 2))
@@ -165,17 +167,16 @@ class _Steps:
     that is nearest to a round that changes nothing."""
 
     def __init__(self, length: np.ndarray):
-        self.length, self.x, self.off = length, list[np.ndarray](), list[np.ndarray]()
+        self.length, self.found, self.off = length, list[np.ndarray](), list[np.ndarray]()
 
     def after(self, X: np.ndarray, found: np.ndarray) -> np.ndarray:
         """Where to go from X (nk, n), which gives `found`."""
-        self.x, self.off = [*self.x, X][-BACK - 1 :], [*self.off, found - X][-BACK - 1 :]
-        if len(self.x) == 1:
+        off = ((found - X) * self.length).ravel().view(float)
+        self.found, self.off = [*self.found, found][-BACK - 1 :], [*self.off, off][-BACK - 1 :]
+        if len(self.off) == 1:
             return found
-        went, changed = (np.diff(every, axis=0) for every in (self.x, self.off))
-        ways = (changed * self.length).reshape(len(changed), -1).view(float)
-        share = np.linalg.lstsq(ways.T, ((found - X) * self.length).ravel().view(float))[0]
-        return np.asarray(found - np.tensordot(share, went + changed, 1))
+        gave, ways = (np.diff(every, axis=0) for every in (self.found, self.off))
+        return np.asarray(found - np.tensordot(np.linalg.lstsq(ways.T, off)[0], gave, 1))
 
 
 def _extremes(
@@ -214,12 +215,7 @@ def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:
 
 
 def _waves(case: Case, of: _Standing) -> _Waves:
-    lattice = (ONE, TWO)[len(of.place) - 1]
-    omega = lattice.sums @ case.waves[of.place]
-    slowest = STILL * case.waves.min()  # a shape may have no stiffness
-    omega[1:] = np.where(np.abs(omega[1:]) < slowest, slowest, omega[1:])
-    Y = case.impedance_at(np.abs(omega))
-    Y[omega < 0] = Y[omega < 0].conj()
+    lattice, (omega, Y, Z, against) = (ONE, TWO)[len(of.place) - 1], _linear(case, tuple(of.place.tolist()))
     n, waves = of.several, len(of.place)
     more = np.full(omega.size, (1 - 0.5 / n) / (1 - 0.5 / waves))
     if waves > 1:
@@ -227,7 +223,19 @@ def _waves(case: Case, of: _Standing) -> _Waves:
     excitation = lattice.first(of.lines(case.excitation))
     at_rest = jacobian(case.system.resting.value[0], case.system.resting.value[2])
     force = excitation.reshape(omega.size, -1) @ at_rest.reshape(-1, at_rest.shape[-1])
-    return _Waves(lattice, more, omega, Y, excitation, force, case.model.of_floats(omega, Y))
+    return _Waves(lattice, more, omega, Y, excitation, force, Z, against)
+
+
+@lru_cache(maxsize=KNOWN)
+def _linear(case: Case, place: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """ω, Y, Z and what is against the floats, of sums of these waves: dampers have little part in which stand for all."""
+    sums = (ONE, TWO)[len(place) - 1].sums
+    omega, slowest = sums @ case.waves[list(place)], STILL * case.waves.min()  # a shape may have no stiffness
+    omega[1:] = np.where(np.abs(omega[1:]) < slowest, slowest, omega[1:])
+    Y = case.impedance_at(np.abs(omega))
+    Y[omega < 0] = Y[omega < 0].conj()
+    against = case.model.of_floats(omega, Y)
+    return omega, Y, case.model.assembled(omega, against), against
 
 
 def _grown(waves: _Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> np.ndarray:
@@ -305,7 +313,7 @@ def _carried(case: Case, waves: _Waves, load: np.ndarray, more: np.ndarray, furt
     model = case.model
     borne = load - (waves.against @ (further @ model.shape.T)[..., None])[..., 0]
     # What of N makes none would speed a shape up, and so is borne by that one's inertia.
-    freely = np.linalg.solve(model.mass, (load @ model.shape - more).T)
+    freely = np.linalg.solve(model.mass, real_parts((load @ model.shape - more).T)).view(complex)
     borne -= (model.floats[2] @ (model.shape @ freely)).T
     return np.asarray(borne[:, : case.system.structure.carrier.shape[0]])
 

@@ -119,9 +119,9 @@ def warped(u: np.ndarray, kappa: np.ndarray) -> np.ndarray:
 
 def _cubic(u: np.ndarray, kappa: np.ndarray) -> np.ndarray:
     h, kurtosis = _flatter()
-    flat = _inverse(u, np.interp(-kappa, kurtosis, h))
     tall = (np.sqrt(1 + 1.5 * kappa.clip(min=0.0)) - 1) / 18
-    return np.asarray(np.where(kappa < 0, flat, u * (1 + tall * (u**2 - 3))))
+    x = np.asarray(u * (1 + tall * (u**2 - 3)))
+    return np.where(kappa < 0, _inverse(u, np.interp(-kappa, kurtosis, h)), x) if np.any(kappa < 0) else x
 
 
 def _inverse(u: np.ndarray, h: np.ndarray) -> np.ndarray:
