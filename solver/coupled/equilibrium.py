@@ -32,6 +32,15 @@ STRIDES = 500  # of the search for the floats' rest, in the water or out of it
 ROUNDS = 100  # of floats and structure in turn; a float on a platform as soft as itself needs some twenty
 
 
+class Balance(NamedTuple):
+    """Of the floats at many states (...)."""
+
+    load: np.ndarray  # JᵀW (..., nz)
+    wrench: np.ndarray  # W (..., nb, 6), all loads on each
+    jacobian: np.ndarray  # J (..., nb, 6, nz) motion of the reference points for unit coordinates
+    rotation: np.ndarray  # (..., nb, 3, 3)
+
+
 def balance(
     body: Bodies,
     z: np.ndarray,
@@ -39,8 +48,8 @@ def balance(
     ddz: np.ndarray | None = None,
     field: np.ndarray | None = None,
     excitation: np.ndarray | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """JᵀW (..., nz) of the floats and W (..., nb, 6), all loads on each, at z, ż, z̈ (..., nz), rest by default.
+) -> Balance:
+    """At z, ż, z̈ (..., nz), rest by default.
 
     field (see minimal.pressures) and excitation (nb, 6) of the waves, still water by default.
     """
@@ -55,15 +64,23 @@ def balance(
     excitation = np.zeros((nb, 6)) if excitation is None else excitation
     water = WaterLoads(pressure=np.empty((nb, 6)), since=np.zeros(nz), excitation=excitation, memory=np.zeros(na))
     out = Loads(np.empty(at.z.shape), *np.empty((2, many, nb, 6)))
-    _balances(body, at, field, pressure_room(body), water, out)
-    return out.residual.reshape(z.shape), out.wrench.reshape(*z.shape[:-1], nb, 6)
+    J, R = np.zeros((many, nb, 6, nz)), np.empty((many, nb, 3, 3))
+    _balances(body, at, field, pressure_room(body), water, out, J, R)
+    return Balance(*(part.reshape(*z.shape[:-1], *part.shape[1:]) for part in (out.residual, out.wrench, J, R)))
 
 
 @whole_lean_kernel
 def _balances(
-    body: Bodies, states: Coordinates, field: np.ndarray, room: PressureRoom, water: WaterLoads, out: Loads
+    body: Bodies,
+    states: Coordinates,
+    field: np.ndarray,
+    room: PressureRoom,
+    water: WaterLoads,
+    out: Loads,
+    J: np.ndarray,
+    R: np.ndarray,
 ) -> None:
-    """Fill `out` (m, ...) at states (m, nz); room, water.pressure and the states' zones are scratch."""
+    """Fill `out`, J and R (m, ...) at states (m, nz); room, water.pressure and the states' zones are scratch."""
     motion = new_motion(body)
     for i in range(len(states.z)):
         move(body, states.z[i], states.dz[i], motion)
@@ -71,6 +88,13 @@ def _balances(
         zones_at_rest(body.law, states.z[i], states.zone)
         at = Coordinates(states.z[i], states.dz[i], states.ddz[i], states.zone)
         loads(body, at, motion, water, Loads(out.residual[i], out.wrench[i], out.external[i]))
+        for b in range(body.axes.size):
+            for r in range(3):
+                for s in range(3):
+                    R[i, b, r, s] = motion.rotation[b, r, s]
+            for k in range(body.axes[b]):
+                for r in range(6):
+                    J[i, b, r, body.coordinate[b, k]] = motion.jacobian[b, r, k]
 
 
 class Differences(NamedTuple):
@@ -86,8 +110,8 @@ def differences(body: Bodies, z: np.ndarray) -> Differences:
     sides = np.zeros((3, 2, 3, nz, nz))  # z, ż, z̈; below and above; of which of the three; of which coordinate
     for k, size in enumerate(sizes):
         sides[k, :, k] = -size * np.eye(nz), size * np.eye(nz)
-    residual, wrench = balance(body, z + sides[0], sides[1], sides[2])
-    residual, wrench = ((high - low).T / (2 * sizes) for low, high in (residual, wrench))
+    found = balance(body, z + sides[0], sides[1], sides[2])
+    residual, wrench = ((high - low).T / (2 * sizes) for low, high in (found.load, found.wrench))
     return Differences(
         *(np.ascontiguousarray(part) for part in (residual.transpose(2, 0, 1), wrench.transpose(3, 1, 0, 2)))
     )

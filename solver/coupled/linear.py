@@ -23,13 +23,11 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import block_diag
 
-from solver.coupled.equilibrium import symmetric_stiffness
+from solver.coupled.equilibrium import Balance, balance, symmetric_stiffness
 from solver.coupled.system import Resting, System, known_differences
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
-from solver.kernels import whole_lean_kernel
 from solver.lines import real_by_complex
-from solver.multibody.bodies import Bodies, new_motion
-from solver.multibody.minimal import move
+from solver.multibody.bodies import Bodies
 
 KNOWN = 8  # models that a process keeps
 
@@ -164,53 +162,27 @@ def _linear_model(scene: Resting, sizes: tuple[float, ...]) -> LinearModel:
 
 def _along(body: Bodies, z: np.ndarray) -> np.ndarray:
     """(6nb, na) unit motions that radiate, along the axes of space."""
-    axes = _places(body, z[None])[1][0] if body.turning else [np.eye(3)] * body.axes.size
+    axes = balance(body, z).rotation if body.turning else [np.eye(3)] * body.axes.size
     each = [block_diag(R, R)[:, body.active] for R in axes]
     return np.asarray(block_diag(*each) if each else np.zeros((0, 0)))
 
 
 def jacobian(body: Bodies, z: np.ndarray) -> np.ndarray:
-    """Motion (nb, 6, nz) of the reference points for unit coordinates."""
-    return jacobians(body, z[None])[0]
+    """Motion (..., nb, 6, nz) of the reference points for unit coordinates, at z (..., nz)."""
+    return balance(body, z).jacobian
 
 
-def jacobians(body: Bodies, z: np.ndarray) -> np.ndarray:
-    """The same (m, nb, 6, nz) at many z (m, nz)."""
-    return _places(body, z)[0]
-
-
-def of_waves(body: Bodies, z: np.ndarray, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Levers of loads by waves, along axes as at rest (nz,), on the coordinates z (m, nz): (m, nb, 6, nz); and what
-    makes of these loads those along the axes of space, (m, nb, 6, 6).
+def of_waves(body: Bodies, at: Balance, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Levers of loads by waves, along axes as at rest (nz,), on the coordinates: (m, nb, 6, nz); and what makes of
+    these loads those along the axes of space, (m, nb, 6, 6).
 
     They turn with the bodies or, left to keep their directions, are on the reference points' motions.
     """
-    J, R = _places(body, z)
+    J, R = at.jacobian, at.rotation
     if not body.turning:
         return J, np.broadcast_to(np.eye(6), (*R.shape[:2], 6, 6))
-    turned = np.kron(np.eye(2), R @ _places(body, rest[None])[1].swapaxes(-1, -2))
+    turned = np.kron(np.eye(2), R @ balance(body, rest).rotation.swapaxes(-1, -2))
     return turned.swapaxes(-1, -2) @ J, turned
-
-
-def _places(body: Bodies, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Jacobians (m, nb, 6, nz) and rotations (m, nb, 3, 3) of the bodies."""
-    J, R = np.zeros((len(z), body.axes.size, 6, z.shape[1])), np.empty((len(z), body.axes.size, 3, 3))
-    _fill_places(body, np.ascontiguousarray(z), J, R)
-    return J, R
-
-
-@whole_lean_kernel
-def _fill_places(body: Bodies, z: np.ndarray, J: np.ndarray, R: np.ndarray) -> None:
-    motion = new_motion(body)
-    for k in range(len(z)):
-        move(body, z[k], z[k], motion)  # rates are not asked for
-        for b in range(body.axes.size):
-            for i in range(3):
-                for j in range(3):
-                    R[k, b, i, j] = motion.rotation[b, i, j]
-            for i in range(body.axes[b]):
-                for r in range(6):
-                    J[k, b, r, body.coordinate[b, i]] = motion.jacobian[b, r, i]
 
 
 def wave_force(model: LinearModel, excitation: np.ndarray, modal: np.ndarray) -> np.ndarray:

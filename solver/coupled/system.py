@@ -317,7 +317,7 @@ def known_differences(scene: Resting) -> Differences:
 def loads_at_rest(scene: Resting) -> tuple[np.ndarray, np.ndarray]:
     """JᵀW (nz,) and W (nb, 6) of the floats there."""
     bodies, _, z = scene.value
-    load, wrench = balance(bodies, z)
+    load, wrench, *_ = balance(bodies, z)
     return shared(load), shared(wrench)
 
 
@@ -360,7 +360,7 @@ def _initial_acceleration(
     push, and (nz,) what holds the axes that do not move."""
     frame, body = system.structure, system.bodies
     nc, nm = frame.carrier.shape
-    r, _ = balance(body, z, field=first.field[0], excitation=first.excitation[0])
+    r, *_ = balance(body, z, field=first.field[0], excitation=first.excitation[0])
     shape, whole = frame.carrier, _whole_mass(system, z)
     load = np.concatenate([shape.T @ r[:nc] - frame.omega**2 * p + first.modal[0], r[nc:]])
     load[:nm] += system.drag_at_rest(first)

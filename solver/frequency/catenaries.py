@@ -170,8 +170,8 @@ def without_lines(body: Bodies) -> Bodies:
 
 def _line_loads(body: Bodies, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Q (m, nz), and what the lines do to the floats (m, nb, 6), at coordinates (m, nz)."""
-    (load, wrench), (others, on_floats) = balance(body, z), balance(without_lines(body), z)
-    return load - others, wrench - on_floats
+    with_, others = balance(body, z), balance(without_lines(body), z)
+    return with_.load - others.load, with_.wrench - others.wrench
 
 
 @lru_cache(maxsize=KNOWN)

@@ -228,7 +228,7 @@ def _waves(case: Case, of: _Standing) -> _Waves:
 
 @lru_cache(maxsize=KNOWN)
 def _linear(case: Case, place: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """ω, Y, Z and what is against the floats, of sums of these waves: dampers have little part in which stand for all."""
+    """ω, Y, Z and what is against the floats, of sums of waves that stand for all: often the same with other dampers."""
     sums = (ONE, TWO)[len(place) - 1].sums
     omega, slowest = sums @ case.waves[list(place)], STILL * case.waves.min()  # a shape may have no stiffness
     omega[1:] = np.where(np.abs(omega[1:]) < slowest, slowest, omega[1:])
@@ -323,17 +323,17 @@ def _beyond(case: Case, waves: _Waves, X: np.ndarray) -> tuple[np.ndarray, np.nd
     body, _, rest = case.system.resting.value
     lattice, model, rate, Z = waves.lattice, case.model, -1j * waves.omega[:, None], X @ case.model.shape.T
     z, dz, ddz = np.split(lattice.at_instants(np.concatenate([Z, rate * Z, rate**2 * Z], axis=1)), 3, axis=1)
-    lever, directions = of_waves(body, rest + z, rest)
+    at = balance(body, rest + z, dz, ddz)
+    lever, directions = of_waves(body, at, rest)
     nt, nb, _, nz = lever.shape
     lever = lever.reshape(nt, 6 * nb, nz)
     V = lattice.lines((lever @ dz[..., None])[..., 0] @ model.along)
     radiated = (waves.Y @ V[..., None])[..., 0]
     water = lattice.at_instants(waves.excitation.reshape(len(V), 6 * nb) - radiated @ model.along.T)
-    still, wrench = balance(body, rest + z, dz, ddz)
-    load = still + (water[:, None] @ lever)[:, 0]
+    load = at.load + (water[:, None] @ lever)[:, 0]
     if body.turning:
         water = (directions @ water.reshape(nt, nb, 6, 1)).reshape(nt, 6 * nb)
-    every = lattice.lines(np.concatenate([load, wrench.reshape(nt, 6 * nb) + water], axis=1))
+    every = lattice.lines(np.concatenate([load, at.wrench.reshape(nt, 6 * nb) + water], axis=1))
     more = every[:, :nz] + (waves.against @ Z[..., None])[..., 0] - waves.force
     more[0] -= case.loads_at_rest[0]
     return more, every[:, nz:].reshape(-1, nb, 6)

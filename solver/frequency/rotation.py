@@ -126,7 +126,7 @@ def _in_still_water(resting: Resting, of_states: np.ndarray) -> tuple[np.ndarray
     sides = NEAR * np.concatenate([ways[:, used].T, -ways[:, used].T, np.zeros((1, len(ways)))])
     at, rate, acceleration = np.split(sides, 3, axis=-1)
     half, n = variance[used] / (2 * NEAR**2), int(used.sum())
-    load, wrench = balance(body, z + at, rate, acceleration)
+    load, wrench, *_ = balance(body, z + at, rate, acceleration)
     of_load, of_wrench = (np.tensordot(half, f[:n] + f[n : 2 * n] - 2 * f[-1], 1) for f in (load, wrench))
     return of_load, of_wrench
 
@@ -244,9 +244,9 @@ def _spectrum(of: _Swinging, band: np.ndarray, omega: np.ndarray, z: np.ndarray,
     f = ½ (z⋆b + b⋆z + s⋆Hs) of two waves' z, s and b = W' on levers, the second ones conjugate. added: W' (nw, 6nb).
     """
     borne, states = added @ of.levers, _states(omega, z)
-    first = np.concatenate([z, borne, states @ of.curvature], axis=1)[of.pairs[0]]
-    second = np.concatenate([borne, z, states], axis=1)[of.pairs[1]]
-    f = 0.5 * np.einsum("pi,pi->p", first, second.conj())
+    first = np.concatenate([z, borne, states @ of.curvature], axis=1).take(of.pairs[0], axis=0)
+    second = np.concatenate([borne, z, states], axis=1).take(of.pairs[1], axis=0)
+    f = 0.5 * np.vecdot(second, first)
     return float(0.5 * squares(f) @ band)
 
 
@@ -290,7 +290,7 @@ def _turning(resting: Resting) -> _Turning:
     """Scenes that differ in their seas and dampers alone share it."""
     body, _, z = resting.value
     steps = NEAR * np.eye(z.size)
-    sides = (of_waves(body, z + way * steps, z) for way in (1, -1))
+    sides = (of_waves(body, balance(body, z + way * steps), z) for way in (1, -1))
     levers, directions = ((up - down) / (2 * NEAR) for up, down in zip(*sides, strict=True))
     angles = np.any(jacobian(body, z)[:, 3:], axis=(0, 1))
     return _Turning(levers, directions, angles)

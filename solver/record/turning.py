@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from solver.coupled.linear import jacobians, linear_model
+from solver.coupled.linear import jacobian, linear_model
 from solver.coupled.system import System
 from solver.record.channels import Channels
 from solver.scene import DOFS
@@ -27,7 +27,7 @@ def turning(system: System, channels: Channels, tables: Mapping[str, np.ndarray]
         if axis in DOFS[:3] or not np.isfinite(size):
             continue
         step = size * np.eye(rest.size)[first + j]
-        J = jacobians(body, rest + np.array([[0.0], [1.0], [-1.0]]) * step)[:, :, body.active]
+        J = jacobian(body, rest + np.array([[0.0], [1.0], [-1.0]]) * step)[:, :, body.active]
         lever = J.reshape(3, -1, rest.size)[:, :, first + j]
         still, up, down = np.einsum("mi,ij,mj->m", lever, system.bodies.added_mass, lever)
         change = (0.5 * (up + down) - still) / model.mass[j - len(channels.names), j - len(channels.names)]
