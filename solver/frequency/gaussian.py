@@ -171,7 +171,7 @@ def of_lines(A: np.ndarray, X: np.ndarray) -> float:
     """
     AS, AX = A @ covariance(X, X), X @ A
     whole = 2 * np.sum(AS * AS.T)
-    steady = np.sum(np.sum((X.conj() * AX).real, axis=1) ** 2 / 4 + squares(np.sum(X * AX, axis=1)) / 8)
+    steady = np.sum(np.vecdot(X, AX).real ** 2 / 4 + squares(np.vecdot(X.conj(), AX)) / 8)
     return float(np.sqrt(1 - steady / whole)) if whole > 0 else 1.0
 
 

@@ -228,7 +228,7 @@ def _waves(case: Case, of: _Standing) -> _Waves:
 
 @lru_cache(maxsize=KNOWN)
 def _linear(case: Case, place: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """ω, Y, Z and what is against the floats, of sums of waves that stand for all: often the same with other dampers."""
+    """ω, Y, Z and what is against the floats, of sums of waves that stand for all: often those with other dampers."""
     sums = (ONE, TWO)[len(place) - 1].sums
     omega, slowest = sums @ case.waves[list(place)], STILL * case.waves.min()  # a shape may have no stiffness
     omega[1:] = np.where(np.abs(omega[1:]) < slowest, slowest, omega[1:])

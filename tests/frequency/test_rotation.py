@@ -433,3 +433,23 @@ def test_the_load_of_two_waves_is_what_the_assembled_loads_make_of_their_motions
     even = sum(balance(body, z + sign * s[0], sign * s[1], sign * s[2])[0] for sign in (1, -1)) / 2
     load = even @ (model.shape @ swinging.shape)
     assert told == approx(0.5 * np.abs(2 * np.mean(load * np.exp(0.5j * t))) ** 2, rel=1e-3)
+
+
+def test_pairs_of_waves_move_what_their_loads_of_second_order_do():
+    """Few waves stand for themselves alone: the sum over their pairs, one by one."""
+    item, h = SCENES["duck"]()
+    waves = components(amplitude=np.full(3, 0.1), omega=np.array([1.0, 1.3, 1.5]), phase=np.arange(3.0))
+    item = linear(replace(item, sea=waves), method="frequency")
+    case, found = case_of(item, h), respond(item, h)
+    of, body = rotation._slowly(case), case.system.resting
+    s, W = rotation._states(case.waves, found.Z[:3]), rotation._added(case, case.waves, found.X[:3], found.wrench[:3])
+    levers = rotation._turning(body).levers.reshape(found.Z.shape[1], -1, found.Z.shape[1])
+    expected = 0.0
+    for i, j in ((1, 0), (2, 0), (2, 1)):
+        ways = (np.einsum("i,iwk,w->k", found.Z[a], levers, W[b].conj()) for a, b in ((i, j), (j, i)))
+        f = 0.5 * (next(ways) + next(ways).conj() + rotation._curvature(body) @ s[j].conj() @ s[i])
+        k = np.argmin(np.abs(np.log(of.omega / (case.waves[i] - case.waves[j]))))
+        Z = of.Z[k] - 1j * of.omega[k] * found.damping
+        expected += 0.5 * np.abs(np.linalg.solve(Z, of.others @ f)) ** 2
+    assert np.all(expected > 0)
+    assert rotation.below_the_waves(case, found) == approx(expected, rel=1e-9)
