@@ -101,7 +101,7 @@ def test_loads_on_a_frame_are_what_its_modes_need():
 def test_a_load_that_speeds_a_float_up_freely_is_on_no_carrier():
     item, h = SCENES["unequal_legs"]()
     case = case_of(linear(item, method="frequency"), h)
-    load = (case.model.floats[2] @ case.model.shape[:, -1])[None]
+    load = (case.model.floats[2] @ case.model.shape[:, -1] + 0j)[None]
     none, still = np.zeros((1, len(case.model.mass))), harmonics._Waves(*[None] * 7, against=case.model.floats[:1])
     assert np.abs(load[0, :-1]).max() > 1.0
     assert harmonics._carried(case, still, load, none, none) == approx(0.0, abs=1e-9 * np.abs(load).max())
