@@ -1,4 +1,4 @@
-"""The command line: study new|keys|outputs|schema|plan|run|status|show|rerun|collect|answers|report|verify|clean."""
+"""The command line: study new|keys|outputs|schema, and those of a study: plan, run, status, show, rerun and so on."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import time
 from collections import Counter
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -359,6 +359,20 @@ def answers(
     study = load(study_file)
     path = _up_to_date(study, results)
     say(str(actions.answer(study, path, between)))
+
+
+@app.command()
+def figures(
+    study_file: StudyPath,
+    results: ResultsFolder = RESULTS,
+    form: Annotated[Literal["svg", "png", "pdf"], typer.Option("--format", help="Of the files")] = "svg",
+) -> None:
+    """Write each of the report's figures by itself to results/<study>/figures."""
+    from pipeline.report import page
+
+    study = load(study_file)
+    for path in page.write_figures(study, _up_to_date(study, results), form):
+        say(str(path))
 
 
 @app.command(epilog="Exit status: 0 all whole, 1 something damaged or another record at the second time, 2 bad input.")

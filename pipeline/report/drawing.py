@@ -22,6 +22,8 @@ MARKERS = ("o", "s", "^", "D", "v", "P")
 DASHES = ("-", "--", ":", "-.")
 HIDDEN = 0.01  # of the height of axes: a line that is nowhere further from another hides it
 COLUMNS = 6  # of marks in a row above a figure, where there is room
+# Of files, with what is not to be written into them: dates, of which each file would be another.
+FORMS: dict[str, dict[str, None]] = {"svg": {"Date": None}, "png": {"Software": None}, "pdf": {"CreationDate": None}}
 MARGIN = 0.04  # of an axis's length, beside it, so that marks at its ends are whole
 INK, FAINT, PAPER = "#333333", "#dddddd", "#000000"
 WATER, SAND, STEEL = "#dcebf5", "#d9cfbf", "#8a8f94"
@@ -134,17 +136,14 @@ def canvas(width: float, height: float) -> Figure:
 
 def svg(figure: Figure) -> str:
     """A figure as a data URI: its ids are apart from those of other figures on the page."""
-    buffer = io.BytesIO()
-    _literal(figure)
-    figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()
+    return "data:image/svg+xml;base64," + base64.b64encode(rendered(figure, "svg")).decode()
 
 
-def png(figure: Figure, dpi: float = 100.0) -> bytes:
-    """A figure as pixels."""
+def rendered(figure: Figure, form: str, dpi: float = 100.0) -> bytes:
+    """A figure as a file of one of the FORMS, the same from the same data; dpi: of pixels."""
     buffer = io.BytesIO()
     _literal(figure)
-    figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
+    figure.savefig(buffer, format=form, dpi=dpi, metadata=FORMS[form])
     return buffer.getvalue()
 
 

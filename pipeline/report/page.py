@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Set
 from pathlib import Path
@@ -13,7 +14,7 @@ import numpy as np
 
 from pipeline.report import arrays, envelopes, figures, ranking, report, series, sketch, strips
 from pipeline.report.along import along
-from pipeline.report.drawing import plain, png, svg
+from pipeline.report.drawing import plain, rendered, svg
 from pipeline.report.figures import Results, short, told
 from pipeline.report.overview import TEXT, overview
 from pipeline.report.periods import natural_periods
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 VERSION = "version_"
+LONGEST, DPI = 80, 200.0  # letters of a figure's file name, and its pixels
 
 
 def results_of(study: Study, path: Path) -> Results:
@@ -52,7 +54,18 @@ def write_figure(study: Study, path: Path, figure: Path) -> None:
     """The one-figure summary, PNG."""
     results = results_of(study, path)
     with plain(TEXT):
-        write_atomic(figure, png(overview(results)))
+        write_atomic(figure, rendered(overview(results), "png"))
+
+
+def write_figures(study: Study, path: Path, form: str) -> Iterator[Path]:
+    """Each of the report's figures by itself, in the folder `figures` beside the dataset at `path`."""
+    folder = path.with_name("figures")
+    folder.mkdir(exist_ok=True)
+    for title, _, figure in _made(results_of(study, path)):
+        words = re.sub(r"\W+", "-", title.lower()).strip("-")
+        file = folder / f"{words[:LONGEST]}.{form}"
+        write_atomic(file, rendered(figure, form, DPI))
+        yield file
 
 
 def html(results: Results) -> str:
@@ -184,13 +197,19 @@ def published_tables(results: Results) -> list[dict[str, Any]]:
 
 
 def drawn(results: Results) -> Iterator[dict[str, str]]:
-    """Every figure that the dataset has the variables for."""
+    """Every figure, as the page has it."""
+    for title, caption, figure in _made(results):
+        crosses = " Crosses: published." if figures.crossed(figure) else ""
+        yield {"title": title, "caption": caption + crosses, "source": svg(figure)}
+
+
+def _made(results: Results) -> Iterator[tuple[str, str, Figure]]:
+    """Title, caption and figure, of every one that the dataset has the variables for."""
     for title, caption, make in _list(results):
         with plain():
             figure = make(results)
             if figure is not None:
-                crosses = " Crosses: published." if figures.crossed(figure) else ""
-                yield {"title": title, "caption": caption + crosses, "source": svg(figure)}
+                yield title, caption, figure
 
 
 def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -14,7 +15,7 @@ from pipeline.bridge.loading import load
 from pipeline.cli import cli
 from pipeline.report import envelopes, figures, overview, page, sketch, strips
 from pipeline.report.along import along
-from pipeline.report.drawing import above, canvas, plain, png, svg
+from pipeline.report.drawing import above, canvas, plain, rendered, svg
 from pipeline.report.published import COLUMNS, read_published
 from pipeline.report.responses import responses
 from pipeline.tasks.study import Study
@@ -239,6 +240,17 @@ def test_floats_beyond_the_colours_have_other_marks_and_those_that_hide_one_anot
     assert [text.get_text() for text in apart.get_texts()] == [*size]
 
 
+@pytest.mark.parametrize(("form", "begins"), [("svg", b"<?xml"), ("png", b"\x89PNG"), ("pdf", b"%PDF")])
+def test_every_figure_is_a_file_of_its_own(results, tmp_path, monkeypatch, form, begins):
+    """As the page has them; a second time they are the same to the last bit."""
+    monkeypatch.setattr(page, "results_of", lambda *_: results)
+    path = tmp_path / "statistics.nc"
+    first, second = ({file: file.read_bytes() for file in page.write_figures(results.study, path, form)} for _ in "12")
+    assert len(first) == len(list(page.drawn(results))) and first == second
+    assert tmp_path / "figures" / f"extremes-of-the-hinge-force.{form}" in first
+    assert all(data.startswith(begins) for data in first.values())
+
+
 @pytest.mark.parametrize(("letters", "columns"), [(2, 6), (15, 3), (60, 1), (200, 1)])
 def test_a_key_is_no_wider_than_its_figure(letters, columns):
     """Where words are short six stand in a row; longer than the figure nothing can be."""
@@ -394,7 +406,7 @@ def test_an_axis_of_words_has_its_own_figure(small, tmp_path):
 
 
 @pytest.mark.parametrize("labels", [["US$ % a", "AU$ % b"], [1.0, 1e2, 1e4]])
-@pytest.mark.parametrize("draw", [svg, png])
+@pytest.mark.parametrize("draw", [svg, partial(rendered, form="png")])
 def test_texts_of_users_are_drawn_as_they_are(results, labels, draw):
     """Two $ hold no formula, which might be none; powers of ten along an axis are one."""
     name = "US$ % of AU$"
@@ -738,7 +750,7 @@ def test_words_and_dots_of_the_audit_have_room(results):
     data = results.data.assign(estimated_error=0 * results.data.wall_time + 10.0 ** (results.data.seed - 3.0))
     with plain():
         figure = strips.audit(replace(results, data=data))
-        png(figure)
+        rendered(figure, "png")
     words = [axes.xaxis.label.get_window_extent() for axes in figure.axes]
     assert len(words) == 3 and all(one.x1 < other.x0 for one, other in pairwise(words))
     assert words[0].x0 >= 0 and words[-1].x1 <= figure.bbox.x1 and min(box.y0 for box in words) >= 0
