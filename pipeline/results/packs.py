@@ -131,6 +131,7 @@ class Packs:
         self._lines: dict[str, tuple[Path, int, int, int]] = {}  # file, row, and where in it the row begins and ends
         self._read: set[str] = set()
         self._changed = -1
+        self._last = -1  # number of the last pack
 
     def find(self, task_id: str) -> Place | None:
         """The last outcome of a task in a pack, None if there is none."""
@@ -152,8 +153,14 @@ class Packs:
 
     def next(self, count: int) -> list[Path]:
         """Records of so many packs to come, after all that are there: of a task in several the last counts."""
-        last = max((int(path.stem) for path in self.folder.glob("*") if path.stem.isdecimal()), default=0)
-        return [self.folder / f"{last + n:06d}.nc" for n in range(1, count + 1)]
+        # Looked for once, and again where another run's are there: for each of thousands of packs it would be slow.
+        if self._last < 0 or self._record(self._last + 1).exists():
+            self._last = max((int(path.stem) for path in self.folder.glob("*") if path.stem.isdecimal()), default=0)
+        self._last += count
+        return [self._record(self._last - n) for n in reversed(range(count))]
+
+    def _record(self, number: int) -> Path:
+        return self.folder / f"{number:06d}.nc"
 
     def strays(self, known: set[str]) -> Iterator[Path]:
         """Records of packs from which no known task has its outcome, and what lies beside them."""

@@ -152,6 +152,9 @@ def test_another_process_sees_what_was_added_and_removed(store, tasks):
     assert states(other, tasks[:4]) == ["done"] * 3 + ["missing"]
     keep(other, tasks[:2], [5, 6])
     assert powers(store, tasks[:3]) == powers(other, tasks[:3]) == [5, 6, 3]
+    keep(store, tasks[2:3], [4])
+    keep(store, tasks[2:3], [3])
+    assert powers(store, tasks[:3]) == powers(other, tasks[:3]) == [5, 6, 3]
     for path in (store.look(tasks[0]).record, store.look(tasks[0]).record.with_suffix(".jsonl")):
         path.unlink()
     assert powers(store, tasks[:3]) == powers(other, tasks[:3]) == [1, 2, 3]
