@@ -19,6 +19,7 @@ from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.study.words import last
 from pipeline.tasks.task import Parameters, canonical, digest
 from solver import scene as physics
+from solver.hydrodynamics.hull.coarse import hanging
 from solver.hydrodynamics.hull.mesh import plates
 from solver.motions import PLANAR, possible
 from solver.scene import DOFS, STARTS, is_planar, needs_coefficients, panels_for, stays_in_plane
@@ -73,6 +74,7 @@ class Geometry(Table):
     plates: bool = False  # a hull is in part thinner than panels: their panels, and what is said of them, are others
     flow: bool = True  # bodies radiate or diffract; without nothing is solved
     outlines: bool = False  # a waterplane has several outlines, round wells or apart: its lid and panels are others
+    hanging: bool = False  # panels of a dense mesh meet along parts of their sides: the fewer made of it are others
 
     @property
     def key(self) -> str:
@@ -136,6 +138,7 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         far_field="drift" in parameters.record.outputs,
         plates=any(plates(f.hull, panels) for f in floats),
         outlines=any(f.hull.waterplane_width < np.inf for f in floats),
+        hanging=any(hanging(f.hull) for f in floats),
     )
 
 

@@ -14,7 +14,7 @@ from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.clearance import openings, slips, touching
-from solver.hydrodynamics.hull.coarse import fewer
+from solver.hydrodynamics.hull.coarse import dense, fewer
 from solver.hydrodynamics.hull.mesh import Hull
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.standing import stands
@@ -187,13 +187,19 @@ class Problem:
 
     @property
     def coarser(self) -> str:
-        """Which hulls have fewer panels than their meshes."""
+        """Which hulls have fewer panels than their meshes, and which dense ones do not."""
         notes = []
-        for hull, made in zip(self.hulls, self.meshed, strict=True):
-            if isinstance(hull, PanelHull) and isinstance(made, PanelHull) and made.finer is not None:
+        for hull, made, count, base in zip(self.hulls, self.meshed, self.counts, self.base, strict=True):
+            if not (isinstance(hull, PanelHull) and isinstance(made, PanelHull)):
+                continue
+            if made.finer is not None:
                 panels = made.finer if self.divisions[0] > 1 else made.wetted
                 off = surface.volume(panels) / hull.volume - 1
                 notes.append(f"hull {hull.name}: {len(panels)} panels for {len(hull.wetted)} (volume {off:+.1e})")
+            elif dense(hull, count):
+                solved = self.divisions[0] ** 2 * meshes.halved_count(hull, base, narrow=self.meshing.narrow)
+                why = "other hulls close it" if len(hull.holes) else "fewer do not keep its edges and corners"
+                notes.append(f"hull {hull.name}: {solved} panels for its dense mesh's {len(hull.wetted)}, as {why}")
         return "; ".join(dict.fromkeys(notes))
 
 

@@ -96,6 +96,24 @@ def welded(
     return vertices, faces[kept], [f"left out: {n} panels {what}" for n, what in counts if n]
 
 
+def triangulated(panels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (nv, 3) and faces (nf, 4) of the triangles of panels (n, 4, 3), corners that coincide made one."""
+    corners = surface.triangles(panels)
+    faces = np.arange(3 * len(corners)).reshape(-1, 3)[:, [0, 1, 2, 2]]
+    return welded(corners.reshape(-1, 3), faces)[:2]
+
+
+def hanging(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """On the sides of which triangles (nf, 4) corners of others lie (nf,); all sides (ne, 2), cut there, and whose.
+
+    One so thin that its own corner lies on a side meets its neighbours as it is.
+    """
+    pairs, owner = surface.cut_where_corners_lie(vertices, *surface.edges(triangles))
+    count = np.bincount(owner, minlength=len(triangles))
+    starts = np.unique(np.column_stack([owner, pairs[:, 0]]), axis=0)
+    return (count > 3) & (np.bincount(starts[:, 0], minlength=len(triangles)) == count), pairs, owner
+
+
 def _flattened(vertices: np.ndarray, faces: np.ndarray, moved: np.ndarray) -> np.ndarray:
     """Which panels (nf,) in a plane 0 cover what others there cover the other way round, some `moved` (nf,) onto it.
 

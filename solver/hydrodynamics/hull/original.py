@@ -29,11 +29,8 @@ def point(row: np.ndarray) -> Point:
 class Original:
     """The surface that is to be met, and its curves: sharp edges and rims between corners."""
 
-    def __init__(self, panels: np.ndarray, side: float):
-        corners = surface.triangles(panels)
-        faces = np.arange(3 * len(corners)).reshape(-1, 3)[:, [0, 1, 2, 2]]
-        self.points, faces, _ = mending.welded(corners.reshape(-1, 3), faces)
-        self.faces = faces[:, :3]
+    def __init__(self, wetted: np.ndarray, side: float):
+        self.points, self.faces = _conforming(*mending.triangulated(wetted))
         vectors = surface.area_vectors(self.points[self.faces])
         self.normals = vectors / np.linalg.norm(vectors, axis=1)[:, None]
         pairs = self._sharp()
@@ -49,7 +46,8 @@ class Original:
         around = np.zeros_like(self.points)
         np.add.at(around, self.faces.ravel(), np.repeat(vectors, 3, axis=0))
         self.around = around / np.maximum(np.linalg.norm(around, axis=1), 1e-300)[:, None]
-        self._parts = surface.split(self.points[faces], side)[:, :3]  # none that reaches far from its centre
+        panels = self.points[self.faces[:, [0, 1, 2, 2]]]
+        self._parts = surface.split(panels, side)[:, :3]  # none that reaches far from its centre
         vectors = surface.area_vectors(self._parts)
         self._facing = vectors / np.linalg.norm(vectors, axis=1)[:, None]
         self._centres = self._parts.mean(axis=1)
@@ -100,6 +98,18 @@ class Original:
         way = np.clip(np.sum((near - start) * along, axis=1) / np.sum(along**2, axis=1), 0, 1)
         place = start + way[:, None] * along
         return point(place[np.argmin(np.sum((place - near) ** 2, axis=1))])
+
+
+def _conforming(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points (np, 3) and triangles (n, 3) that meet along whole sides, of faces (nf, 4) that may along parts of them.
+
+    One on whose sides corners of others lie becomes several about its middle.
+    """
+    more, pairs, owner = mending.hanging(points, faces)
+    middle = len(points) - 1 + np.cumsum(more)
+    parts = np.column_stack([pairs, middle[owner]])[more[owner]]
+    points = np.concatenate([points, points[faces[more, :3]].mean(axis=1)])
+    return points, np.concatenate([faces[~more, :3], parts])
 
 
 def _on_triangles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:

@@ -30,8 +30,7 @@ class Shell:
     @classmethod
     def of(cls, panels: np.ndarray) -> "Shell":
         """Of panels (n, 4, 3) [m]."""
-        triangles = surface.triangles(panels)[:, [0, 1, 2, 2]]
-        vertices, faces, _ = mending.welded(triangles.reshape(-1, 3), np.arange(4 * len(triangles)).reshape(-1, 4))
+        vertices, faces = mending.triangulated(panels)
         return cls(vertices, faces[:, :3])
 
     @cached_property

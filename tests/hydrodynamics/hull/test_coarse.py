@@ -10,12 +10,12 @@ from pytest import approx
 from solver.errors import InputError
 from solver.hydrodynamics.bem import bem, problem
 from solver.hydrodynamics.hull import mending, surface
-from solver.hydrodynamics.hull.coarse import coarse, fewer
+from solver.hydrodynamics.hull.coarse import coarse, fewer, hanging
 from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.reference.panels import revolution_mesh
-from tests.hydrodynamics.shapes import box, loose
+from tests.hydrodynamics.shapes import box, fine_box, loose
 
 SIZE = (4.0, 2.0, 1.0)
 SPHERE = Revolution.sphere(radius=1.0, draft=1.0)
@@ -23,6 +23,11 @@ CYLINDER = Revolution.vertical_cylinder(radius=1.0, draft=0.5, freeboard=0.5)
 DUCK = duck(radius=1.0, beak=2.0, elevation=0.6, submergence=0.4, width=3.0)
 solve = partial(bem.solve, centres=[[0, 0, 0]], density=1000.0, gravity=9.81, depth=np.inf, heading=0.3)
 solve = partial(solve, omega=np.sqrt(9.81 * np.array([0.3, 1.0, 2.0])), planar=False)
+
+
+def posed(hulls):
+    """A problem in which each is where it is."""
+    return problem.Problem.of(hulls, np.zeros((len(hulls), 3)), depth=np.inf, omega=np.ones(1), panels=108)
 
 
 def triangulated(panels):
@@ -138,6 +143,35 @@ def lopsided():
 
 
 @cache
+def refined(shape):
+    """A hull finer at one end, where corners lie on the sides of the panels beside it."""
+    panels = shape().panels
+    fine = panels[..., 0].mean(axis=1) > 0.7
+    return PanelHull.of(*loose(np.concatenate([panels[~fine], surface.quartered(panels[fine])])), name="refined")
+
+
+def test_panels_that_meet_along_parts_of_their_sides_are_made_as_few():
+    """A box in quadrilaterals, and in triangles: an edge of the hull is not where its panels' size changes."""
+    for shape in (flat, lambda: fine_box(SIZE, (0, 0, 0), 0.3)):
+        hull, made = refined(shape), coarse(refined(shape), 100)
+        assert hull.hanging and not shape().hanging and made.symmetry == hull.symmetry
+        assert 100 <= len(made.wetted) < 130 and quality(made.finer).min() > 0.5
+        assert surface.alike(made.finer, PanelHull.of(*box(SIZE)).wetted, 1e-9)
+    assert not hanging(hull)  # it has no more panels than are solved
+
+
+def test_a_sliver_hangs_on_nothing():
+    """A triangle whose own corner lies on its side, as rounding leaves them at a rim, and one beside it."""
+    points = np.array([[0, 0, 0], [2, 0, 0], [1, 1e-9, 0], [1, 1, 0], [0.5, -1, 0], [1.5, -1, 0]], float)
+    sliver, above, below = [0, 1, 2, 2], [[0, 2, 3, 3], [2, 1, 3, 3]], [0, 4, 1, 1]
+    more, _, _ = mending.hanging(points, np.array([sliver, above[0]]))
+    assert not more.any()
+    more, pairs, owner = mending.hanging(points, np.array([below, *above]))
+    assert more.tolist() == [True, False, False]
+    assert sorted(pairs[owner == 0].tolist()) == [[0, 4], [1, 2], [2, 0], [4, 1]]
+
+
+@cache
 def flat():
     return dense(PanelHull.of(*box(SIZE)), 0.4)
 
@@ -184,6 +218,18 @@ def test_what_folds_is_not_the_files_fault(monkeypatch):
     assert hull.symmetry == (True, True) and whole.symmetry == (False, False) and len(whole.wetted) < 180
     fewest, hull = 0, as_a_file(ellipsoid(), angle=0.32)
     assert fewer(hull, 60, 1) is hull
+    said = posed((hull,)).coarser
+    assert said.startswith("hull mesh: ") and said.endswith("mesh's 600, as fewer do not keep its edges and corners")
+
+
+@pytest.mark.parametrize("most", [pytest.param(1e9, marks=pytest.mark.slow), 0.0])
+def test_dense_hulls_that_close_each_other_say_how_many_panels_they_have(most, monkeypatch):
+    monkeypatch.setattr(problem, "AFFORDABLE", most)
+    panels = fine_box((4.0, 1.3, 1.0), (0, 0, 0), 0.17).panels
+    halves = [PanelHull.of(*loose(surface.below(panels, 0, sign=s)), name="half") for s in (1, -1)]
+    asked, given = posed(halves), len(halves[0].wetted)
+    each = bem.part(asked)[0][0].panels // 2
+    assert asked.coarser == f"hull half: {each} panels for its dense mesh's {given}, as other hulls close it"
 
 
 @pytest.mark.parametrize("side, edge", [(1.0, np.pi / 2), (-1.0, 0.0)])
