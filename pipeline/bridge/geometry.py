@@ -19,7 +19,6 @@ from pipeline.study.tables import Count, Flag, Number, Positive, Table, Vector
 from pipeline.study.words import last
 from pipeline.tasks.task import Parameters, canonical, digest
 from solver import scene as physics
-from solver.hydrodynamics.hull.coarse import hanging
 from solver.hydrodynamics.hull.mesh import plates
 from solver.motions import PLANAR, possible
 from solver.scene import DOFS, STARTS, is_planar, needs_coefficients, panels_for, stays_in_plane
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
 # What a joint's loads are where nothing is said: coefficients do not depend on them.
 UNLOADED = {name: value for name, value in STARTS.items() if "." not in name}
 MANY = 24  # motions that there are, beyond which the memory's fit takes longer than the boundary elements
-BEM_VERSION = 28  # of coefficients, and of the form of their file: raise it when either changes
+BEM_VERSION = 29  # of coefficients, and of the form of their file: raise it when either changes
 
 
 def of_joints(study: StudyFile) -> set[str]:
@@ -74,7 +73,6 @@ class Geometry(Table):
     plates: bool = False  # a hull is in part thinner than panels: their panels, and what is said of them, are others
     flow: bool = True  # bodies radiate or diffract; without nothing is solved
     outlines: bool = False  # a waterplane has several outlines, round wells or apart: its lid and panels are others
-    hanging: bool = False  # panels of a dense mesh meet along parts of their sides: the fewer made of it are others
 
     @property
     def key(self) -> str:
@@ -138,7 +136,6 @@ def geometry_of(parameters: Parameters) -> Geometry | None:
         far_field="drift" in parameters.record.outputs,
         plates=any(plates(f.hull, panels) for f in floats),
         outlines=any(f.hull.waterplane_width < np.inf for f in floats),
-        hanging=any(hanging(f.hull) for f in floats),
     )
 
 

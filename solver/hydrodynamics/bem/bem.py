@@ -14,7 +14,7 @@ import numpy as np
 from solver.errors import InputError
 from solver.hydrodynamics.bem.alone import assembled
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, Hydrodynamics, MeshError, symmetric
-from solver.hydrodynamics.bem.extrapolation import TWO_MESHES, Solution, extrapolated, of_edges, of_plates
+from solver.hydrodynamics.bem.extrapolation import TWO_MESHES, Solution, extrapolated, of_edges, of_one_mesh, of_plates
 from solver.hydrodynamics.bem.far_field import FarField
 from solver.hydrodynamics.bem.grid import frequency_grid
 from solver.hydrodynamics.bem.mean_hull import at_rest, body_name, froude_krylov, motion_lengths
@@ -115,6 +115,8 @@ def _limits(problem: Problem, solutions: list[Solution]) -> tuple[list[np.ndarra
     body = np.repeat(np.arange(len(problem.hulls)), len(problem.dofs))
     plates = [found for found in map(meshes.plates, problem.meshed, problem.counts) if found]
     share = TWO_MESHES if plates else of_edges(problem.meshed, problem.base, narrow=problem.meshing.narrow)
+    if len(solutions) == 1:
+        share = of_one_mesh(problem.meshed, problem.base, narrow=problem.meshing.narrow)
     best, left = extrapolated(solutions, problem.divisions, (lengths, body), share)
     if plates and len(solutions) <= len(HALVED):
         left = of_plates(plates, left, best)

@@ -15,7 +15,7 @@ import numpy as np
 
 from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
-from solver.hydrodynamics.hull.mesh import PANELS, Hull, halved_count, indexed
+from solver.hydrodynamics.hull.mesh import halved_count, indexed
 from solver.hydrodynamics.hull.original import AT_CORNER, FREE, ON_EDGE, Original, Point, key, point
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 
@@ -37,11 +37,6 @@ def fewer(hull: PanelHull, count: int, divided: int) -> PanelHull:
         return hull
     made = coarse(hull, TRIANGLES * (count // divided**2))
     return made if divided**2 * len(made.wetted) < halved_count(hull, count) else hull
-
-
-def hanging(hull: Hull) -> bool:
-    """Whether a mesh that is made coarser, at the usual count, has panels that meet along parts of their sides."""
-    return isinstance(hull, PanelHull) and not len(hull.holes) and hull.hanging and dense(hull, PANELS)
 
 
 def dense(hull: PanelHull, count: int) -> bool:

@@ -207,11 +207,6 @@ class PanelHull:
         return float(self.edges[1].max(initial=0.0))
 
     @cached_property
-    def hanging(self) -> bool:
-        """Whether panels below still water meet along parts of their sides, with corners on those of others."""
-        return bool(mending.hanging(*mending.triangulated(self.wetted))[0].any())
-
-    @cached_property
     def waterplane_width(self) -> float:
         """Of a waterplane with several outlines, round wells or apart: twice area over outline [m]; else infinite.
 

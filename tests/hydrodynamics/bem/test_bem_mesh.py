@@ -14,6 +14,7 @@ from solver.hydrodynamics.bem.green import green_function, joined
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.duck import duck
+from solver.hydrodynamics.hull.edges import order
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.library import capytaine
@@ -149,6 +150,26 @@ def test_a_large_mesh_is_solved_as_given(monkeypatch):
     finest = solve((BARGE,), [[0, 0, 0]], omega=OMEGA[:1], panels=1700)
     # Told from the count of panels alone, the error is of the right size: measured 0.5 to 1.2 of it.
     assert 0.3 < share(h, finest) / h.mesh_error < 1.5
+
+
+def test_one_mesh_tells_the_error_of_each_body_by_its_own_panels():
+    """It falls as h² of panels narrower at edges and of smooth hulls, as edges let it of even ones, as h of plates."""
+    few, many = (fine_box((4.0, 2.0, 1.0), (0, 0, 0), side) for side in (0.26, 0.13))
+    count = [len(hull.wetted) for hull in (few, many)]
+    assert count[1] == 4 * count[0]
+
+    def told(*hulls, narrow, asked=108):
+        return extrapolation.of_one_mesh(hulls, (asked,) * len(hulls), narrow=narrow)
+
+    even, finer = (told(hull, narrow=False) for hull in (few, many))
+    assert even == pytest.approx(0.6 / count[0] ** 0.5, rel=0.03)  # whose true error is 0.62 / √n
+    assert np.log2(even / finer) == pytest.approx(order(np.pi / 2))
+    assert told(few, narrow=True) == pytest.approx(0.045 * 180 / meshes.halved_count(few, 108))
+    assert told(few, many, many, few, narrow=False) == even
+    ball = Revolution.sphere(radius=1.0, draft=1.0)
+    assert told(ball, narrow=True) == pytest.approx(0.045 * 180 / meshes.halved_count(ball, 108))
+    plate = fine_box((4.0, 4.0, 0.1), (0, 0, -2.0), 0.4)
+    assert told(plate, narrow=True) == pytest.approx(0.045 * (180 / meshes.halved_count(plate, 108)) ** 0.5)
 
 
 def test_long_hulls_side_by_side_do_not_touch():

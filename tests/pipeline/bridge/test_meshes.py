@@ -13,8 +13,6 @@ from pipeline.bridge.preflight import judge
 from pipeline.study import reference
 from pipeline.study.reading import StudyError
 from pipeline.tasks.tasklist import Tasks
-from solver.hydrodynamics.hull import surface
-from tests.hydrodynamics.shapes import gdf
 
 STUDIES = Path(__file__).parents[3] / "studies"
 
@@ -49,21 +47,6 @@ def test_the_examples_mesh_is_the_barge():
     (item,) = scenes.scene(task.parameters).floats
     assert item.hull.volume == pytest.approx(4 * 3 * 0.6) and item.hull.closed and not item.hull.notes
     assert item.mass == pytest.approx(1025 * item.hull.volume) and geometry_of(task.parameters).planar
-
-
-def test_a_dense_mesh_of_panels_that_meet_along_parts_of_sides_has_other_coefficients_than_before(barge):
-    """The fewer panels that are made of it are others; the names of other meshes' files stay."""
-
-    def flagged(panels):
-        barge.with_name("barge.gdf").write_text(gdf(panels))
-        (task, *_) = Tasks.of(load(barge).content)
-        return "hanging" in geometry_of(task.parameters).model_dump(exclude_defaults=True)
-
-    (task, *_) = Tasks.of(load(barge).content)
-    few = hulls.hull(task.parameters.floats[0].hull).panels
-    many = surface.quartered(few)
-    hung = [np.concatenate([panels[1:], surface.quartered(panels[:1])]) for panels in (few, many)]
-    assert [flagged(panels) for panels in (few, many, *hung)] == [False, False, False, True]
 
 
 PLACES = """cog = ["balance", {2}, 0.1]
