@@ -163,7 +163,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
         raise unbalanced(residual, BALANCE, times[-1], system)
     marched = time.perf_counter() - probe.seconds  # so far: the rest of the audit comes below
     tables, channels = recorder.tables(), recorder.channels
-    probe.know(shares.of(tables), hydrodynamics)
+    probe.know(shares.of(tables), recorder, hydrodynamics)
     attrs: dict[str, Any] = {
         "energy_residual": residual,
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},

@@ -192,6 +192,11 @@ def room(law: JointLaw, y: np.ndarray) -> np.ndarray:
     return np.minimum(law.end_stops.upper - y, y - law.end_stops.lower)
 
 
+def stop_stiffness(law: JointLaw) -> np.ndarray:
+    """Of the axes' end stops (n,) [N/m or N m/rad]."""
+    return law.end_stops.stiffness
+
+
 def stop_damping(law: JointLaw) -> np.ndarray:
     """Of the axes' end stops (n,) [N s/m or N m s/rad]: times the rate what a stop bears at first."""
     return law.end_stops.damping

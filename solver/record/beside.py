@@ -104,12 +104,48 @@ def effects(system: System, h: Hydrodynamics, transfer: Transfer) -> np.ndarray:
     return np.hypot(damped * misfit.real, shifted * misfit.imag)
 
 
+class Bounces(NamedTuple):
+    """Of axes on their end stops, of all that may be bent (nb,)."""
+
+    at: np.ndarray  # (nb,) frequency at which they swing there [rad/s], the last one solved for at most
+    moved: np.ndarray  # (nb, na) what of that radiates
+    felt: np.ndarray  # (nb,) change of the rate that a bounce leaves, by δY of what moves [s/kg, ...]
+
+
+def bounces(system: System, h: Hydrodynamics) -> Bounces:
+    """On a stop of stiffness k an axis of inertia m swings half a period of ω = √(k/m), as a rule above the waves, and
+    leaves it with exp(-πB/2mω) of its rate; δY changes that by π|φᵀEᵀ δY Eφ|/2mω of it, φ what moves with the axis
+    where that is pushed. Above the frequencies solved for the misfit counts as at the last.
+    """
+    law, model, (nc, nm) = system.bodies.law, linear_model(system), system.structure.carrier.shape
+    axes = np.flatnonzero(of_axes.bent(law))
+    stiffness, damping = of_axes.stop_stiffness(law)[axes], of_axes.stop_damping(law)[axes]
+    pushed = np.linalg.inv(model.mass)[nm - nc + axes]
+    mass = 1 / pushed[range(axes.size), nm - nc + axes]
+    shapes, own = mass[:, None] * pushed, np.sqrt(stiffness / mass)
+    at = own.clip(h.omega[0], h.omega[-1])
+    moved, radiated = radiating(system, h, at, shapes)
+    damping = damping + radiated + (unradiated(system, h, shapes) if axes.size else 0.0)
+    quarter = np.divide(np.pi / 2, mass * own, out=np.zeros(axes.size), where=own > 0)
+    return Bounces(at, moved, quarter * np.exp(-quarter * damping))
+
+
+def bounced(system: System, h: Hydrodynamics, transfer: Transfer, share: np.ndarray | float = 1.0) -> float:
+    """Relative change of motions between end stops by that of bounces, which are felt in shares (nb,) of the time."""
+    of = bounces(system, h)
+    misfit = np.abs(_of(transfer(of.at) - impedance_anywhere(system, h, of.at), of.moved)) if of.at.size else 0.0
+    return float(np.max(share * of.felt * misfit, initial=0.0))
+
+
 def importance_beside(system: System, h: Hydrodynamics) -> np.ndarray:
-    """|Eφ|_i |Eφ|_j |V'/2V| (nw, na, na), the largest of all shapes, at the frequencies solved to either side of each:
-    nothing that shifts a resonance counts more than what damps it."""
-    shapes = beside(system, h)
+    """|Eφ|_i |Eφ|_j |V'/2V| (nw, na, na), the largest of all shapes and of `bounces`, at the frequencies solved to
+    either side of each: nothing that shifts a resonance counts more than what damps it."""
+    shapes, struck = beside(system, h), bounces(system, h)
     counts = np.zeros((h.omega.size, *h.added_mass_inf.shape))
-    for own, moved, damped in zip(shapes.omega, shapes.moved, _in_record(system, shapes)[0], strict=True):
+    for own, moved, damped in (
+        *zip(shapes.omega, shapes.moved, _in_record(system, shapes)[0], strict=True),
+        *zip(*struck, strict=True),
+    ):
         after = int(np.searchsorted(h.omega, own))
         near = counts[max(after - 1, 0) : after + 1]
         np.maximum(near, damped * np.abs(np.outer(moved, moved)), out=near)

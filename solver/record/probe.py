@@ -22,6 +22,7 @@ from solver.multibody.bodies import Bodies, new_motion, pressure_room
 from solver.multibody.minimal import move, pressures
 from solver.multibody.of_axes import taking
 from solver.power_takeoff import PtoTable
+from solver.record.beside import bounced
 from solver.record.channels import Channels
 from solver.record.effects import coefficient_effects, memory_effect, shapes_effect, step_effect, together
 from solver.record.elements import elements_effect
@@ -116,9 +117,9 @@ class Probe:
                 parts = {name: max(error, parts.get(name, 0.0)) for name, error in self._before.items()}
                 del parts["estimated_error"]
             else:
-                memory_effect, mesh_effect = coefficient_effects(self.system, hydrodynamics)
+                memory, mesh_effect = coefficient_effects(self.system, hydrodynamics)
                 parts |= {
-                    "memory_effect": memory_effect,
+                    "memory_effect": max(memory, self._of_bounces(self.recorder, hydrodynamics)),
                     "mesh_effect": mesh_effect,
                     "shapes_effect": shapes_effect(self.system, hydrodynamics),
                     "elements_effect": elements_effect(
@@ -131,14 +132,23 @@ class Probe:
             self.seconds += time.perf_counter() - clock
         return self._errors
 
-    def know(self, shares: np.ndarray | float, hydrodynamics: Hydrodynamics | None) -> None:
+    def know(self, shares: np.ndarray | float, recorder: Recorder, hydrodynamics: Hydrodynamics | None) -> None:
         """Take in what shares of the record swing beside the waves, when it is over: before, `memory_effect` is as if
-        all did."""
-        if hydrodynamics is not None and np.any(np.asarray(shares) < 1):
+        all did; and how often stops are met."""
+        if hydrodynamics is not None and (np.any(np.asarray(shares) < 1) or recorder.contact[:, HITS].any()):
             effect = memory_effect(self.system, hydrodynamics, shares)
-            parts = {**self.errors(hydrodynamics), "memory_effect": effect}
+            bounces = self._of_bounces(recorder, hydrodynamics)
+            parts = {**self.errors(hydrodynamics), "memory_effect": max(effect, bounces)}
             del parts["estimated_error"]
             self._errors = {**parts, "estimated_error": together(parts.values())}
+
+    def _of_bounces(self, recorder: Recorder, h: Hydrodynamics | None) -> float:
+        system, hits = self.system, recorder.contact[:, HITS]
+        if h is None or system.fit is None or not hits.any():
+            return 0.0
+        period = system.scene.sea.parameters()["Te"]  # a bounce is felt about as long
+        share = np.nan_to_num(hits * period / recorder.scene.settings.duration, nan=1.0).clip(max=1.0)
+        return bounced(system, h, system.fit.frequency, share)
 
 
 def _judging(scene: Scene, system: System) -> Recorder:

@@ -6,7 +6,8 @@ Z the linear model's dynamic stiffness and E x what radiates, a change δY of th
 
     δX_k = Σ_ij (Z⁻¹Eᵀ)_ki iω δY_ij (E X)_j.
 
-What resonates beside the waves and is driven there counts by what a misfit does to its resonance, see `beside`.
+What resonates beside the waves and is driven there counts by what a misfit does to its resonance, and an axis with end
+stops by what it does to its bounces, see `beside`.
 Poles are the coefficients' and not the sea's: those of the usual fit stay, or somewhat more are sought as it sought
 them, once for all seas. What they weigh is found again, which is soon done.
 
@@ -33,7 +34,7 @@ from solver.hydrodynamics.radiation.fitting import HOPELESS, LOOSE, USUAL, Sampl
 from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.keys import Bits, shared
 from solver.record.accuracy import MARGIN, SHARE
-from solver.record.beside import importance_beside
+from solver.record.beside import bounced, importance_beside
 from solver.record.decay import spectrum
 from solver.record.effects import memory_effect
 from solver.scene import Scene, Settings
@@ -154,7 +155,10 @@ def _swayed(system: System, h: Hydrodynamics) -> float:
     assert system.fit is not None, "asked of a scene that has one"
     change = np.abs(_motions(system, h, system.fit.frequency(h.omega))[1] - exact)[inside].max(axis=0)
     used, largest = _used(system, exact[inside])
-    return max(memory_effect(system, h), float(np.max(change[used] / largest[used], initial=0.0)))
+    transfer = system.fit.frequency
+    return max(
+        memory_effect(system, h), bounced(system, h, transfer), float(np.max(change[used] / largest[used], initial=0.0))
+    )
 
 
 def _motions(system: System, h: Hydrodynamics, Y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
