@@ -11,8 +11,9 @@ from solver.coupled.blocks import blocks, energy_residual, unbalanced
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
 from solver.coupled.natural import require_stable, require_upright, system_modes, with_critical_damping, with_usual_step
+from solver.coupled.problem import Output
 from solver.coupled.stages import copied
-from solver.coupled.system import BALANCE
+from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, cautions, coefficient_errors
 from solver.hydrodynamics.radiation.fitting import USUAL
@@ -43,13 +44,19 @@ REPEATS = "second", "third", "fourth"  # attempts with shorter steps, each of a 
 HELPED = 0.5  # of a gap in the energy balance, which a shorter step leaves at most
 
 Better = Callable[[Scene, Mapping[str, float]], Scene | None]  # a finer one for a run that tells its errors
+Watch = Callable[[System, np.ndarray, Output], None]  # is shown the system, times and output of every block
 
 
-def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record:
+def _blind(_system: System, _times: np.ndarray, _output: Output) -> None:
+    """Looks at nothing."""
+
+
+def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None, watch: Watch = _blind) -> Record:
     """Run `scene` to its end; raises SimulationFailed with time, quantity and advice.
 
     hydrodynamics: coefficients of the scene's floats at rest; without them the boundary elements come
     first. Where a smaller step may help the run is repeated with a quarter of it, and of that; `repeated` says why.
+    watch: of a march in minimal coordinates; one that is repeated begins again at t = 0, with another system.
     """
     clock = time.perf_counter()
     if hydrodynamics is None and needed(scene):
@@ -66,10 +73,10 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None) -> Record
     for attempt in range(ATTEMPTS):
         better = finer if attempt + 1 < ATTEMPTS else _content
         try:
-            record = _run(scene, hydrodynamics, better)
+            record = _run(scene, hydrodynamics, better, watch)
         except StepTooLong as error:
             repeated = str(error)
-            record = _again(scene, hydrodynamics, error, better)
+            record = _again(scene, hydrodynamics, error, better, watch)
         if isinstance(record, Record):
             break
         scene = record
@@ -89,7 +96,9 @@ def _content(_scene: Scene, _told: Mapping[str, float]) -> None:
     """No other scene, whatever the estimated errors are."""
 
 
-def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: StepTooLong, better: Better) -> Record | Scene:
+def _again(
+    scene: Scene, hydrodynamics: Hydrodynamics | None, first: StepTooLong, better: Better, watch: Watch
+) -> Record | Scene:
     """As `_run` with a quarter of the step, and Newton's tolerance to match: 4⁴ less, 4² of it by the step alone.
 
     And so on as long as that closes the energy balance, or a run gets further: waves that begin at once set all of a
@@ -101,7 +110,7 @@ def _again(scene: Scene, hydrodynamics: Hydrodynamics | None, first: StepTooLong
     for n, attempt in enumerate(REPEATS, 1):
         finer = replace(s, time_step=dt / 4**n, newton_tolerance=s.newton_tolerance / 4 ** (2 * n))
         try:
-            return _run(replace(scene, settings=finer), hydrodynamics, better)
+            return _run(replace(scene, settings=finer), hydrodynamics, better, watch)
         except SimulationFailed as error:
             told = f"{error} ({attempt} attempt; the first: {first})"
             if not (isinstance(error, StepTooLong) and _nearer(error, last)):
@@ -115,7 +124,9 @@ def _nearer(error: StepTooLong, last: StepTooLong) -> bool:
     return error.gap < HELPED * last.gap or 0.0 < last.t < error.t
 
 
-def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _content) -> Record | Scene:
+def _run(
+    scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _content, watch: Watch = _blind
+) -> Record | Scene:
     """The record; or another scene, where `better` chooses one by the errors estimated from the run's start."""
     if scene.settings.method == "frequency":
         from solver.frequency.run import simulate_frequency
@@ -142,6 +153,7 @@ def _run(scene: Scene, hydrodynamics: Hydrodynamics | None, better: Better = _co
     low = high = np.stack([state.z, state.dz])  # of positions and rates, where loads are given in a range of them
     ranged = any(points is not None for f in scene.floats for points in f.pto_points)
     for samples, output, times in blocks(system, state, steps):
+        watch(system, times, output)
         recorder.add(times, output, samples)
         shares.add(times, output.p, output.z)
         if ranged:

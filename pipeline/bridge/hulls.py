@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from solver.hydrodynamics.hull.revolution import Revolution
 
 CENTRED = 1e-4  # of a hull's size: as near its reference point its centre of buoyancy counts as above each other
+UPRIGHT = 1e-9  # of a unit axis: a hull that turns by less out of the plane is in it
 
 
 @lru_cache(maxsize=64)
@@ -109,6 +110,29 @@ def outline(shape: Hull) -> list[tuple[float, float]]:
     points = np.concatenate([s.at(np.linspace(0, 1, 33)) for s in seen.meridian])
     right = [(float(r), float(h)) for r, h in points]
     return right + [(-r, h) for r, h in reversed(right)]
+
+
+def silhouette(shape: Hull, R: np.ndarray) -> np.ndarray:
+    """A hull turned by a rotation (3, 3), seen along y from its reference point (k, 2) [m].
+
+    Of one of revolution that leaves the plane, and of meshes, the convex outline.
+    """
+    import numpy as np
+    import scipy
+
+    from solver.hydrodynamics.hull.revolution import Revolution
+
+    if np.abs(R[1] - [0.0, 1.0, 0.0]).max() < UPRIGHT:
+        return np.asarray(outline(shape) @ R[::2, ::2].T)
+    seen = hull(shape)
+    if isinstance(seen, Revolution):
+        r, z = np.concatenate([s.at(np.linspace(0, 1, 9)) for s in seen.meridian]).T[..., None]
+        angle = np.linspace(0, 2 * np.pi, 33)
+        points = np.stack([r * np.cos(angle), r * np.sin(angle), z + 0 * angle], axis=-1).reshape(-1, 3)
+    else:
+        points = seen.vertices
+    flat = points @ R[::2].T
+    return np.asarray(flat[scipy.spatial.ConvexHull(flat).vertices])
 
 
 def plan(shape: Hull) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pipeline import environment
 from pipeline.bridge.geometry import Geometry
@@ -15,11 +17,16 @@ from pipeline.results.store import UNFINISHED, Store, appearing, sha256, write_j
 from pipeline.running.place import Place
 from pipeline.study.reading import StudyError
 from pipeline.study.schema import StudyFile
+from pipeline.study.settings import Recording
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import Task
 from pipeline.tasks.tasklist import Tasks
 from pipeline.terminal import err, out
 
+if TYPE_CHECKING:
+    import numpy as np
+
+SHOWN, FRAMES = 30.0, 2000  # of a moving picture: usual length [s], and most frames
 # Of a joint, keys by which its law bends or jumps.
 BENT = {
     "coulomb", "declutch_load", "end_stops", "force_limit", "latch_load", "one_way", "pto_law", "pto_table",
@@ -153,6 +160,72 @@ def print_table(study: Study, path: Path) -> None:
         with contextlib.suppress(OSError):  # it saves time alone, and the folder may be for reading only
             write_json(kept, known)
     print(known["text"], end="", file=out.file)
+
+
+def animate(study: Study, store: Store, results: Path, task: Task, asked: Filming) -> Path:
+    """Write a task's moving picture beside the study's dataset; StudyError for what cannot be shown."""
+    from pipeline.bridge.cache import Cache
+    from pipeline.bridge.geometry import geometry_of
+    from pipeline.bridge.objections import objections
+    from pipeline.bridge.replay import replay, require_history
+    from pipeline.cli.progress import share
+    from pipeline.report import animation
+    from pipeline.tasks.task import cell
+
+    scene = task.parameters
+    if problems := [str(error) for error in objections(lambda: require_history(scene))]:
+        raise StudyError(study.path, problems)
+    times, pause = asked.times(study.path, scene.record)
+    coefficients, geometry = None, geometry_of(scene)
+    if geometry and (coefficients := (cache := Cache(results)).get(geometry.key)) is None:
+        again = store.command("run", study.path)
+        raise StudyError(study.path, [f"{cache.path(geometry.key)}: not there yet; `{again}` makes it"])
+    tell_of_compiler(study.content)
+    with share(err, "marching") as told:
+        film = replay(scene, coefficients, times, told, magnify=asked.magnify)
+    # A platform that does not move is drawn, too.
+    platform = cell(study.content, {**task.labels, "platform": "elastic"}, ()).parameters.platform
+    path = store.root / f"animation-{task.id}.gif"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with share(err, "drawing") as told:
+        drawn = scene.model_copy(update={"platform": platform})
+        animation.write(path, drawn, film, f"{study.name}: {task}".replace(",", ", "), pause, told)
+    return path
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filming:
+    """What a moving picture is to show: from when, how much, how fast; None: of the record's start what it has."""
+
+    start: float | None
+    seconds: float | None
+    speed: float
+    fps: float
+    magnify: float
+
+    def times(self, file: Path, record: Recording) -> tuple[np.ndarray, int]:
+        """Of its frames (n,) [s], and how long each of them stays [ms]; StudyError for what is out of range."""
+        import numpy as np
+
+        end = record.discard + record.duration
+        start = record.discard if self.start is None else self.start
+        seconds = min(SHOWN, end - start) if self.seconds is None else self.seconds
+        limits = (
+            ("--from", start, 0.0, end, " s"),
+            ("--seconds", seconds, 0.0, end - start, " s"),
+            ("--speed", self.speed, 0.01, 1000.0, ""),
+            ("--fps", self.fps, 1.0, 50.0, ""),
+            ("--magnify", self.magnify, 0.0, 1e6, ""),
+        )
+        for option, value, low, high, unit in limits:
+            if not low <= value <= high:
+                raise StudyError(file, [f"{option} = {value:g}{unit}: must be within {low:g} to {high:g}{unit}"])
+        pause = 10 * round(100 / self.fps)  # GIFs count hundredths of a second
+        count = int(seconds / (step := self.speed * pause / 1000) + 1e-9) + 1
+        if count > FRAMES:
+            limit = f"would make {count} frames: must be at most {FRAMES}; fewer fps or more --speed"
+            raise StudyError(file, [f"--seconds = {seconds:g} s: {limit}"])
+        return start + step * np.arange(count), pause
 
 
 def answer(study: Study, path: Path, between: str) -> Path:

@@ -28,7 +28,7 @@ from pipeline.tasks.study import Study
 from pipeline.tasks.task import MODEL_VERSION
 from pipeline.tasks.tasklist import Tasks
 from pipeline.terminal import err, out
-from solver.errors import InputError
+from solver.errors import InputError, SimulationFailed
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
@@ -373,6 +373,31 @@ def figures(
     study = load(study_file)
     for path in page.write_figures(study, _up_to_date(study, results), form):
         say(str(path))
+
+
+@app.command(epilog="Exit status: 0 done, 1 the task fails, 2 bad input.")
+def animate(
+    study_file: StudyPath,
+    task: Annotated[str, typer.Argument(help="Its id, the beginning of it, or labels")],
+    results: ResultsFolder = RESULTS,
+    start: Annotated[float | None, typer.Option("--from", help="Of the task [s]; left out: of its record")] = None,
+    seconds: Annotated[float | None, typer.Option(help="Of the task; left out: 30, or what it has")] = None,
+    speed: Annotated[float, typer.Option(help="Seconds of the task in one of the picture")] = 1.0,
+    fps: Annotated[float, typer.Option(help="Frames a second, in steps that GIFs know")] = 10.0,
+    magnify: Annotated[float, typer.Option(help="Times the elastic platform's displacements")] = 1.0,
+) -> None:
+    """March one task again and write results/<study>/animation-<task id>.gif: a side view that moves."""
+    study, tasks, store = _open(study_file, results)
+    chosen = find(study, [task])
+    if len(chosen) > 1:
+        raise StudyError(study.path, [f"task = {task}: {len(chosen)} tasks have these labels; name one"])
+    asked = actions.Filming(start=start, seconds=seconds, speed=speed, fps=fps, magnify=magnify)
+    (one,) = tasks.where(lambda each: each.id in chosen)
+    try:
+        say(str(actions.animate(study, store, results, one, asked)))
+    except SimulationFailed as error:
+        say(f"failed: {one.id} {one}: {error}", err)
+        raise typer.Exit(FAILED) from None
 
 
 @app.command(epilog="Exit status: 0 all whole, 1 something damaged or another record at the second time, 2 bad input.")

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from pipeline import interrupt
 from pipeline.bridge.engine import Failure, Outcome
 from pipeline.bridge.geometry import Geometry
 from pipeline.running.campaign import Portion, Watch
 from pipeline.tasks.task import Task
-from pipeline.terminal import about
+from pipeline.terminal import PATIENCE, about
 
 PAUSE = 0.2  # between two lines about tasks that went well [s]
 
@@ -43,6 +44,27 @@ def _print(clock: Clock, console: Console, what: Task | Geometry | Portion, outc
     clock.count(what)
     if clock.due() or isinstance(outcome.result, Failure) or not isinstance(what, Task):
         console.print(clock.line(what, outcome), soft_wrap=True, highlight=False, markup=False)
+
+
+@contextlib.contextmanager
+def share(console: Console, words: str) -> Iterator[Callable[[float], None]]:
+    """What is told the share of some work that is done; on a terminal, after a while, with a bar."""
+    if not console.is_interactive:
+        yield lambda _: interrupt.check()
+        return
+    bar = Progress(TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=console, transient=True)
+    job, start = bar.add_task(words, total=1.0), time.monotonic()
+
+    def told(done: float) -> None:
+        interrupt.check()
+        bar.update(job, completed=done)
+        if time.monotonic() - start > PATIENCE:
+            bar.start()
+
+    try:
+        yield told
+    finally:
+        bar.stop()
 
 
 class Clock:

@@ -142,12 +142,12 @@ def svg(figure: Figure) -> str:
 def rendered(figure: Figure, form: str, dpi: float = 100.0) -> bytes:
     """A figure as a file of one of the FORMS, the same from the same data; dpi: of pixels."""
     buffer = io.BytesIO()
-    _literal(figure)
+    literal(figure)
     figure.savefig(buffer, format=form, dpi=dpi, metadata=FORMS[form])
     return buffer.getvalue()
 
 
-def _literal(figure: Figure) -> None:
+def literal(figure: Figure) -> None:
     """Have texts drawn as they are: those of users may have a $ or two. Powers of ten along an axis are formulas."""
     from matplotlib.text import Text
 

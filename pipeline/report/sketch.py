@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain, repeat
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.report.drawing import INK, SAND, STEEL, WATER, canvas, colour
@@ -15,9 +16,13 @@ from pipeline.tasks.task import Parameters, cell, first_labels
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch, Polygon
+    from matplotlib.text import Text
 
 Point = tuple[float, float]  # x, z [m]
 DIGITS = 3  # of places that are one [m]
+BELOW = 0.15  # m, of a hull is its name
 FEW = 1e-9  # m; shorter is seen end on
 
 
@@ -35,17 +40,31 @@ def first_scene(study: StudyFile) -> Parameters:
     return cell(study, first_labels(study) | {"platform": "elastic"}, ()).parameters
 
 
-def members(scene: Parameters) -> Iterator[list[Point]]:
-    """The outline of every member of the platform, seen along y."""
+class Drawn(NamedTuple):
+    """What moves of a side view."""
+
+    axes: Axes
+    water: Patch
+    surface: Line2D
+    members: list[Polygon]
+    hulls: list[Polygon]
+    arms: list[Line2D]
+    hinges: dict[int, Line2D]  # by number of the float
+    lines: list[Line2D]  # of the moorings, float after float
+    names: dict[int, Text]  # by number of the first float that each is of
+
+
+def members(scene: Parameters, stations: Sequence[int] = ()) -> Iterator[list[Point]]:
+    """The outline of every member of the platform, seen along y: so many points on its one side, then on the other."""
     if scene.platform is None:
         return
     nodes = scene.platform.nodes
-    for member in scene.platform.members:
+    for member, count in zip(scene.platform.members, chain(stations, repeat(2)), strict=False):
         ends = member.section, member.end_section or member.section
         widths = [_width(scene.platform.sections[name]) for name in ends]
         (x0, _, z0), (x1, _, z1) = nodes[member.start], nodes[member.end]
         (dx0, _, dz0), (dx1, _, dz1) = member.start_offset, member.end_offset
-        yield _bar((x0 + dx0, z0 + dz0), (x1 + dx1, z1 + dz1), widths)
+        yield _bar((x0 + dx0, z0 + dz0), (x1 + dx1, z1 + dz1), widths, count)
 
 
 def _width(section: Section) -> float:
@@ -55,7 +74,7 @@ def _width(section: Section) -> float:
     return 2 * max(abs(z) for _, z in section.fibres) if isinstance(section, General) else section.height
 
 
-def _bar(start: Point, end: Point, widths: list[float]) -> list[Point]:
+def _bar(start: Point, end: Point, widths: list[float], count: int) -> list[Point]:
     """A straight bar, as wide as it is at either end; a square if it is seen end on."""
     (x0, z0), (x1, z1), h = start, end, max(widths) / 2
     length = math.hypot(x1 - x0, z1 - z0)
@@ -63,12 +82,9 @@ def _bar(start: Point, end: Point, widths: list[float]) -> list[Point]:
         return [(x0 - h, z0 - h), (x0 + h, z0 - h), (x0 + h, z0 + h), (x0 - h, z0 + h)]
     nx, nz = (z0 - z1) / length / 2, (x1 - x0) / length / 2
     a, b = widths
-    return [
-        (x0 + a * nx, z0 + a * nz),
-        (x1 + b * nx, z1 + b * nz),
-        (x1 - b * nx, z1 - b * nz),
-        (x0 - a * nx, z0 - a * nz),
-    ]
+    along = [i / (count - 1) for i in range(count)]
+    axis = [(x0 + s * (x1 - x0), z0 + s * (z1 - z0), a + s * (b - a)) for s in along]
+    return [(x + w * nx, z + w * nz) for x, z, w in axis] + [(x - w * nx, z - w * nz) for x, z, w in reversed(axis)]
 
 
 def float_outline(item: Float) -> list[Point]:
@@ -110,9 +126,9 @@ def whole(scene: Parameters) -> Box:
     return Box(left - aside, right + aside, low, near.high)
 
 
-def about_water(scene: Parameters) -> Box:
-    """The floats, the hinges and what stands beside them."""
-    points = [p for f in scene.floats for p in [*float_outline(f), (f.hinge[0], f.hinge[2])]]
+def about_water(scene: Parameters, more: Iterable[Point] = ()) -> Box:
+    """The floats, the hinges and what stands beside them, and more points."""
+    points = [*more] + [p for f in scene.floats for p in [*float_outline(f), (f.hinge[0], f.hinge[2])]]
     deck = [p for bar in members(scene) for p in bar if p[1] > -1.0]
     points = points + deck or [(-1.0, 0.0), (1.0, 0.0)]
     xs, zs = [x for x, _ in points], [z for _, z in points]
@@ -121,41 +137,50 @@ def about_water(scene: Parameters) -> Box:
     return Box(min(xs) - margin, max(xs) + margin, low, max([*zs, 0.0]) + margin)
 
 
-def draw(axes: Axes, scene: Parameters, box: Box) -> None:
+def draw(axes: Axes, scene: Parameters, box: Box) -> Drawn:
     """Water, seabed, platform, floats, arms, hinges and mooring lines."""
     from matplotlib.patches import Polygon
 
     tall, depth = box.high - box.low, scene.water.depth
-    axes.axhspan(-depth if math.isfinite(depth) else -10 * tall, 0.0, color=WATER, linewidth=0)
-    axes.axhline(0.0, color=colour(0), linewidth=0.8)
+    water = axes.axhspan(-depth if math.isfinite(depth) else -10 * tall, 0.0, color=WATER, linewidth=0)
+    drawn = Drawn(axes, water, axes.axhline(0.0, color=colour(0), linewidth=0.8), [], [], [], {}, [], {})
     if math.isfinite(depth):
         axes.axhspan(-depth - tall, -depth, color=SAND, linewidth=0)
     for bar in members(scene):
-        axes.add_patch(Polygon(bar, facecolor=STEEL, edgecolor=INK, linewidth=0.4))
+        drawn.members.append(Polygon(bar, facecolor=STEEL, edgecolor=INK, linewidth=0.4))
+        axes.add_patch(drawn.members[-1])
     for index, item in enumerate(scene.floats):
-        axes.add_patch(Polygon(float_outline(item), facecolor=colour(index), edgecolor=INK, linewidth=0.6, alpha=0.85))
+        hull = Polygon(float_outline(item), facecolor=colour(index), edgecolor=INK, linewidth=0.6, alpha=0.85)
+        drawn.hulls.append(hull)
+        axes.add_patch(hull)
         (x, _, z), hinge = centre(item), item.hinge
         for start, end in lines(item):
-            axes.plot([start[0], end[0]], [start[1], end[1]], color=INK, linewidth=0.8, linestyle=":")
-        axes.plot([hinge[0], x], [hinge[2], z], color=INK, linewidth=1.6, solid_capstyle="round")
+            drawn.lines.extend(
+                axes.plot([start[0], end[0]], [start[1], end[1]], color=INK, linewidth=0.8, linestyle=":")
+            )
+        drawn.arms.extend(axes.plot([hinge[0], x], [hinge[2], z], color=INK, linewidth=1.6, solid_capstyle="round"))
         if "hinge" in item.motion:
-            axes.plot(hinge[0], hinge[2], "o", color="white", markeredgecolor=INK, markersize=5, zorder=4)
+            style: dict[str, Any] = {"color": "white", "markeredgecolor": INK, "markersize": 5, "zorder": 4}
+            (drawn.hinges[index],) = axes.plot(hinge[0], hinge[2], "o", **style)
     axes.set_xlim(box.left, box.right, auto=True)
     axes.set_ylim(box.low, box.high, auto=True)
     axes.set_aspect("equal", adjustable="box")
     axes.grid(visible=False)
     axes.set_xlabel("x [m]")
+    return drawn
 
 
-def label(axes: Axes, scene: Parameters) -> None:
-    """Names of the floats, the depth of the water, and the way the waves go."""
-    places: dict[Point, dict[str, str]] = {}  # names and colours; floats behind one another share a place
+def label(axes: Axes, scene: Parameters) -> dict[int, Text]:
+    """Names of the floats, which it returns, the depth of the water, and the way the waves go."""
+    places: dict[Point, list[int]] = {}  # floats behind one another share a place
     for index, item in enumerate(scene.floats):
         at = round(centre(item)[0], DIGITS), round(min(z for _, z in float_outline(item)), DIGITS)
-        places.setdefault(at, {})[item.name] = colour(index)
-    for (x, low), named in places.items():
-        shade = INK if len(named) > 1 else next(iter(named.values()))
-        axes.text(x, low - 0.15, ", ".join(named), ha="center", va="top", color=shade)
+        places.setdefault(at, []).append(index)
+    texts = {}
+    for (x, low), (first, *others) in places.items():
+        words = ", ".join(scene.floats[index].name for index in (first, *others))
+        shade = INK if others else colour(first)
+        texts[first] = axes.text(x, low - BELOW, words, ha="center", va="top", color=shade)
     corner: dict[str, Any] = {"transform": axes.transAxes, "fontsize": "small"}
     axes.text(0.02, 0.02, _depth(scene), ha="left", va="bottom", color=colour(0), **corner)
     along = math.cos(scene.waves.heading)
@@ -167,6 +192,7 @@ def label(axes: Axes, scene: Parameters) -> None:
         axes.text(0.11, 0.93, "waves", ha="center", va="bottom", **corner)
         if scene.waves.heading:  # which a side view shows foreshortened
             axes.text(0.02, 0.9, f"heading {scene.waves.heading:g} rad", ha="left", va="top", **corner)
+    return texts
 
 
 def _depth(scene: Parameters) -> str:
@@ -179,28 +205,34 @@ def side_view(study: StudyFile) -> Figure | None:
     scene = first_scene(study)
     if not scene.floats and scene.platform is None:
         return None
-    near, all_ = about_water(scene), whole(scene)
+    figure, _ = views(scene, about_water(scene))
+    return figure
+
+
+def views(scene: Parameters, near: Box) -> tuple[Figure, list[Drawn]]:
+    """The figure, and what is in it; near: the surroundings of the water line."""
     if scene.platform is None:
         figure = canvas(6.0, 4.2)
-        close_up(figure.add_subplot(), scene)
-        return figure
+        return figure, [close_up(figure.add_subplot(), scene, near)]
+    all_ = whole(scene)
     figure = canvas(9.0, 5.2)
     wide = max(1.0, (near.right - near.left) / (near.high - near.low))
     tall = max(0.25, (all_.right - all_.left) / (all_.high - all_.low))
     left, right = figure.subplots(1, 2, width_ratios=[tall, wide])
-    draw(left, scene, all_)
+    drawn = [draw(left, scene, all_)]
     left.set_ylabel("z [m]")
     left.set_title("whole depth")
     if -scene.water.depth > all_.low:  # beyond the axes it would leave these no room
         left.text(all_.right, -scene.water.depth, " seabed", va="top", fontsize="small")
-    close_up(right, scene)
+    drawn.append(close_up(right, scene, near))
     right.set_title("at the water line")
-    return figure
+    return figure, drawn
 
 
-def close_up(axes: Axes, scene: Parameters) -> None:
+def close_up(axes: Axes, scene: Parameters, near: Box | None = None) -> Drawn:
     """The surroundings of the water line, as much as the axes hold."""
-    draw(axes, scene, about_water(scene))
+    drawn = draw(axes, scene, near or about_water(scene))
     axes.set_aspect("equal", adjustable="datalim")
-    label(axes, scene)
+    drawn.names.update(label(axes, scene))
     axes.set_ylabel("z [m]")
+    return drawn
