@@ -80,6 +80,9 @@ def test_a_platform_takes_hinges_along_magnified_or_not(parameters, magnify):
     (true,) = at(scene, [*carriers, 0.0, 0.0], p).poses()
     moved, hinges = carriers.reshape(2, 3)[:, :2], np.array([f.hinge for f in scene.floats])[:, ::2]
     assert np.abs(moved).max() > 1e-4
+    c, s = np.cos(carriers[2]), np.sin(carriers[2])
+    arm = np.array([[c, s], [-s, c]]) @ np.array(scene.floats[0].arm)[::2]
+    assert true.centres[0] == approx(hinges[0] + moved[0] + arm, abs=1e-12)
     assert pose.hinges == approx(hinges + magnify * moved, abs=1e-12)
     assert pose.hulls[0] == approx(true.hulls[0] + (magnify - 1) * moved[0], abs=1e-12)
     assert pose.centres[1] == approx(true.centres[1] + (magnify - 1) * moved[1], abs=1e-12)
@@ -113,6 +116,7 @@ def test_a_replay_is_the_records_own(parameters, platform):
     film = replay(scene, None, np.append(0.0, time), shares.append)
     assert film.z[1:, -2:] == approx(told, abs=1e-9)
     assert film.elevation(np.zeros(1))[1:, 0] == approx(eta, abs=1e-9)
+    assert film.elevation(np.zeros(1))[0, 0] == 0.0  # the ramp begins
     assert film.z[0] == approx(film.system.equilibrium[0]) and film.p[0] == approx(film.system.equilibrium[1])
     assert shares == sorted(shares) and shares[-1] == approx(1.0)
     between = replay(scene, None, (time[1:] + time[:-1]) / 2, shares.append)
