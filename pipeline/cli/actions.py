@@ -189,7 +189,7 @@ def animate(study: Study, store: Store, results: Path, task: Task, asked: Filmin
     path.parent.mkdir(parents=True, exist_ok=True)
     with share(err, "drawing") as told:
         drawn = scene.model_copy(update={"platform": platform})
-        animation.write(path, drawn, film, f"{study.name}: {task}".replace(",", ", "), pause, told)
+        animation.write(path, drawn, film, f"{study.name}: {task}".removesuffix(": ").replace(",", ", "), pause, told)
     return path
 
 

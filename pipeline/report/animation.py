@@ -56,9 +56,9 @@ class Film:
 
     def __init__(self, scene: Parameters, replay: Replay, title: str):
         self.replay = replay
-        self.figure, self.views = sketch.views(scene, sketch.about_water(scene, _reached(replay)))
         stations = replay.stations()
         self.rest = [np.array(bar) for bar in sketch.members(scene, stations)] if stations else []
+        self.figure, self.views = sketch.views(scene, sketch.about_water(scene, _reached(replay, self.rest)))
         self.title = textwrap.fill(title, int(LETTERS * self.figure.get_figwidth()))
         self.magnified = f"; the platform's displacements × {replay.magnify:g}" * bool(stations and replay.magnify != 1)
         self.clock = self.figure.suptitle(self.words(replay.times[-1]), x=0.01, ha="left")
@@ -84,8 +84,7 @@ class Film:
 
 def _place(view: sketch.Drawn, rest: Sequence[np.ndarray], pose: Pose) -> None:
     for bar, outline, moved in zip(view.members, rest, pose.members, strict=False):
-        sides = np.concatenate([moved, moved[::-1]])
-        bar.set_xy(outline + (sides if len(sides) == len(outline) else moved.mean(axis=0)))
+        bar.set_xy(_bent(outline, moved))
     for patch, outline in zip(view.hulls, pose.hulls, strict=True):
         patch.set_xy(outline)
     for arm, *ends in zip(view.arms, pose.hinges, pose.centres, strict=True):
@@ -98,6 +97,12 @@ def _place(view: sketch.Drawn, rest: Sequence[np.ndarray], pose: Pose) -> None:
         points = np.array(line.get_xydata())
         points[0] = x, z
         line.set_data(*points.T)
+
+
+def _bent(outline: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """A member's outline, of which both sides move alike; one that is seen end on moves as a whole."""
+    sides = np.concatenate([moved, moved[::-1]])
+    return np.asarray(outline + (sides if len(sides) == len(outline) else moved.mean(axis=0)))
 
 
 def _sea(view: sketch.Drawn) -> tuple[Polygon, Line2D, np.ndarray]:
@@ -114,10 +119,14 @@ def _sea(view: sketch.Drawn) -> tuple[Polygon, Line2D, np.ndarray]:
     return water, surface, x
 
 
-def _reached(replay: Replay) -> Iterator[sketch.Point]:
-    """Corners of what the floats sweep, and the highest and lowest wave at the origin."""
+def _reached(replay: Replay, rest: Sequence[np.ndarray]) -> Iterator[sketch.Point]:
+    """Corners of what floats and members above the water sweep, and the highest and lowest wave at the origin."""
     poses = list(replay.poses())
-    for outlines in zip(*(pose.hulls for pose in poses), strict=True):
+    swept = [*zip(*(pose.hulls for pose in poses), strict=True)]
+    for number, outline in enumerate(rest):
+        dry = outline[:, 1] > 0
+        swept += [[_bent(outline, pose.members[number])[dry] for pose in poses]] * bool(dry.any())
+    for outlines in swept:
         points = np.concatenate(outlines)
         yield from map(tuple, (points.min(axis=0), points.max(axis=0)))
     crests, x = replay.elevation(np.zeros(1)), poses[0].centres[:1, 0]

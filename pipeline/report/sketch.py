@@ -113,9 +113,9 @@ def lines(item: Float) -> Iterator[tuple[Point, Point]]:
         yield (x, z), (line.anchor[0], line.anchor[2])
 
 
-def whole(scene: Parameters) -> Box:
-    """From the seabed, or the deepest pile, to the highest point."""
-    near = about_water(scene)
+def whole(scene: Parameters, near: Box | None = None) -> Box:
+    """From the seabed, or the deepest pile, to the highest point; near: the surroundings of the water line."""
+    near = near or about_water(scene)
     bars = [point for bar in members(scene) for point in bar]
     left, right = min([near.left, *(x for x, _ in bars)]), max([near.right, *(x for x, _ in bars)])
     feet = min([near.low, *(z for _, z in bars)])
@@ -214,7 +214,7 @@ def views(scene: Parameters, near: Box) -> tuple[Figure, list[Drawn]]:
     if scene.platform is None:
         figure = canvas(6.0, 4.2)
         return figure, [close_up(figure.add_subplot(), scene, near)]
-    all_ = whole(scene)
+    all_ = whole(scene, near)
     figure = canvas(9.0, 5.2)
     wide = max(1.0, (near.right - near.left) / (near.high - near.low))
     tall = max(0.25, (all_.right - all_.left) / (all_.high - all_.low))
