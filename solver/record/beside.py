@@ -125,7 +125,7 @@ def bounces(system: System, h: Hydrodynamics) -> Bounces:
     shapes, own = mass[:, None] * pushed, np.sqrt(stiffness / mass)
     at = own.clip(h.omega[0], h.omega[-1])
     moved, radiated = radiating(system, h, at, shapes)
-    damping = damping + radiated + (unradiated(system, h, shapes) if axes.size else 0.0)
+    damping = damping + radiated + np.einsum("mi,ij,mj->m", shapes, model.damping, shapes)
     quarter = np.divide(np.pi / 2, mass * own, out=np.zeros(axes.size), where=own > 0)
     return Bounces(at, moved, quarter * np.exp(-quarter * damping))
 

@@ -17,14 +17,14 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.record import refit
 from solver.record.audit import unmet
-from solver.record.beside import beside, changes, effects, importance_beside
+from solver.record.beside import beside, bounced, changes, effects, importance_beside
 from solver.record.channels import Channels
 from solver.record.effects import coefficient_effects, memory_effect
 from solver.record.response import drag_damping
 from solver.record.sampling import least_force
 from solver.record.shares import Shares
 from solver.run import simulate
-from solver.scene import Float, Scene, Settings, Water
+from solver.scene import EndStops, Float, Scene, Settings, Water
 from solver.sea.current import Current
 from solver.sea.realization import CALM
 from solver.statistics import apart, moments
@@ -355,3 +355,52 @@ def test_a_memory_far_off_tells_of_water_that_may_ring_in_a_gap(damping, apart, 
     apart_from_others = replace(item, settings=replace(item.settings, interaction=False, gap_damping=0, gap_width=0))
     (note,) = unmet(apart_from_others, fit, {"estimated_error": 1e-2, "memory_effect": 1e-2})
     assert "gap" not in note
+
+
+def struck(share, **settings):
+    """The flap between stops that it meets in most waves, so stiff that there it swings at a share of the highest
+    frequency solved for."""
+    item, h = SCENES["flap"]()
+    inertia = linear_model(prepare(item, h)).mass[-1, -1]
+    stops = EndStops(lower=-0.04, upper=0.04, stiffness=float(inertia * (share * h.omega[-1]) ** 2))
+    floats = (replace(item.floats[0], end_stops=stops),)
+    return replace(item, floats=floats, settings=replace(item.settings, duration=400.0, **settings)), h
+
+
+@pytest.mark.parametrize("off", [1e5, -1e5, 1e5j])
+def test_a_bounce_leaves_what_its_damping_lets_it(off):
+    """Against mẍ + Bẋ + kx = 0 over half a period, with B and B + |δ|; what adds to the inertia shifts it in time."""
+    item, h = struck(0.7)
+    item = replace(item, floats=(replace(item.floats[0], pto_damping=2e6),))
+    system = prepare(item, h)
+    model, stiffness = linear_model(system), item.floats[0].end_stops.stiffness
+    moved, mass = model.active[:, -1], model.mass[-1, -1]
+    misfit = off * np.outer(moved, moved) / (moved @ moved) ** 2
+    told = bounced(system, h, lambda omega: impedance_anywhere(system, h, omega) + misfit)
+    radiated = moved @ impedance_anywhere(system, h, np.sqrt([stiffness / mass]))[0].real @ moved
+    B = radiated + item.floats[0].pto_damping
+    left = [np.exp(-np.pi * b / np.sqrt(4 * stiffness * mass - b**2)) for b in (B, B + abs(off))]
+    assert told == approx(left[0] - left[1], rel=0.2)
+
+
+@pytest.mark.parametrize("share", [0.7, 1.0])
+def test_a_memory_that_counts_bounces_is_nearer_there(share):
+    """What it changes of power is what the usual one told."""
+    item, h = struck(share)
+    usual, fitted = prepare(item, h), refit.prepared(item, h)
+    told, after = (bounced(of, h, of.fit.frequency) for of in (usual, fitted))
+    assert told > refit.SWAYED > after
+    before, best = simulate(*struck(share, memory_tolerance=USUAL)), simulate(item, h)
+    assert (before.attrs["memory_effect"], best.attrs["memory_effect"]) == (approx(told), approx(after))
+    power, exact = (run.variables["absorbed_power"][1][0] for run in (before, best))
+    assert told / 3 < abs(power[3] / exact[3] - 1) < 3 * told
+
+
+def test_bounces_count_as_often_as_they_are():
+    item, h = struck(1.0, memory_tolerance=USUAL)
+    rarely = replace(item, sea=replace(item.sea, amplitude=0.6 * item.sea.amplitude))
+    often, seldom = simulate(item, h), simulate(rarely, h)
+    hits = float(seldom.variables["end_stop_hits"][1][0])
+    share = hits * rarely.sea.parameters()["Te"] / item.settings.duration
+    assert 0 < share < 1
+    assert seldom.attrs["memory_effect"] == approx(share * often.attrs["memory_effect"], rel=1e-6)
