@@ -155,7 +155,9 @@ def _swayed(system: System, h: Hydrodynamics) -> float:
     assert system.fit is not None, "asked of a scene that has one"
     change = np.abs(_motions(system, h, system.fit.frequency(h.omega))[1] - exact)[inside].max(axis=0)
     used, largest = _used(system, exact[inside])
-    moved = float(np.max(change[used] / largest[used], initial=0.0))
+    if not used.any():
+        return 0.0
+    moved = float(np.max(change[used] / largest[used]))
     return max(memory_effect(system, h), bounced(system, h, system.fit.frequency), moved)
 
 

@@ -14,7 +14,8 @@ from solver.coupled.preparation import prepare, remembered
 from solver.errors import SimulationFailed
 from solver.record import refit
 from solver.record.effects import coefficient_effects
-from solver.sea.realization import components
+from solver.scene import EndStops
+from solver.sea.realization import CALM, components
 from tests.awkward import SCENES
 
 UNDAMPED = {"pto_damping": 0.0, "damping": 0.0, "critical_damping": 0.0}
@@ -39,6 +40,15 @@ def test_what_swings_by_its_own_radiation_gets_its_own_fit(name, shape):
     assert before > refit.SWAYED and after < 1.5 * refit.SWAYED  # coarse meshes' curves have no better one
     damping = fitted.fit.frequency(np.geomspace(1e-2, 1e2, 500)).real
     assert np.linalg.eigvalsh(damping).min() > -1e-9 * np.abs(damping).max()
+
+
+def test_nothing_is_fitted_again_where_nothing_moves():
+    """Though stops would be met by what a memory sways."""
+    item, h = SCENES["flap"]()
+    stops = EndStops(lower=-0.04, upper=0.04, stiffness=1e8)
+    still = replace(item, floats=(replace(item.floats[0], end_stops=stops),), sea=CALM)
+    assert same(refit.prepared(still, h).fit, prepare(still, h).fit)
+    assert not same(refit.prepared(replace(still, sea=item.sea), h).fit, prepare(still, h).fit)
 
 
 def same(fit, other):
