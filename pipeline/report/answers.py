@@ -68,19 +68,18 @@ def answers(data: xr.Dataset, pair: Pair | None) -> xr.Dataset:
         attrs = {"units": units, "long_name": long_name, "comment": f"Mean over realizations and sea states, {seas}"}
         left_out = {"units": "1", "long_name": "Number of realizations that failed, which are in no mean"}
         found.setdefault(FAILED, failures(each).assign_attrs(left_out))
-        found[name] = over_seas(each, data).assign_attrs(attrs)
+        if name in AT:
+            steel = lives(data, name)  # with the interval of the logarithm: damage is skewed
+            found[name] = steel["damage"].assign_attrs(attrs)
+            life = {"units": "s", "long_name": f"Life of the steel by fatigue, 1/{name}, at the {AT[name]} of a leg"}
+            found[name.replace("damage", "life")] = steel["life"].assign_attrs(life)
+        else:
+            found[name] = over_seas(each, data).assign_attrs(attrs)
         if pair and pair.axis in each.dims:
             one, other = (each.sel({pair.axis: label}, drop=True) for label in pair.labels)
             first, second = (f"{pair.axis}={_word(label)}" for label in pair.labels)
             told = {"first": first, "second": second, "long_name": f"{long_name}: first less second, in the same waves"}
             found[f"{name}{DIFFERENCE}"] = over_seas(one - other, data).assign_attrs(attrs | told)
-    for variable, end in AT.items():
-        if variable in data:
-            steel = lives(data, variable)
-            attrs = {"long_name": f"Life of the steel by fatigue, 1/{variable}, at the {end} of a leg", "units": "s"}
-            found[variable.replace("damage", "life")] = steel["life"].assign_attrs(attrs)
-            # Of the logarithm, as in tables: damage is skewed.
-            found[variable] = steel["damage"].assign_attrs(found[variable].attrs)
     kept = {name: data.attrs[name] for name in KEPT if name in data.attrs}
     return xr.Dataset(found, {"estimate": list(ESTIMATES)}, kept)
 

@@ -132,8 +132,10 @@ def bounces(system: System, h: Hydrodynamics) -> Bounces:
 
 def bounced(system: System, h: Hydrodynamics, transfer: Transfer, share: np.ndarray | float = 1.0) -> float:
     """Relative change of motions between end stops by that of bounces, which are felt in shares (nb,) of the time."""
+    if not of_axes.stopped(system.bodies.law).any():
+        return 0.0
     of = bounces(system, h)
-    misfit = np.abs(_of(transfer(of.at) - impedance_anywhere(system, h, of.at), of.moved)) if of.at.size else 0.0
+    misfit = np.abs(_of(transfer(of.at) - impedance_anywhere(system, h, of.at), of.moved))
     return float(np.max(share * of.felt * misfit, initial=0.0))
 
 
