@@ -24,7 +24,10 @@ NOTE = (
     f" first by the mean of the differences in the same waves, with several realizations in brackets {LEVEL:.0%};"
     " undecided: 0 is among these, or records may be off by as much."
 )
-INSTEAD = '# Instead of [samples] and [axes] over these keys; [solver] method = "time" runs them in the time domain.'
+INSTEAD = (
+    "# Instead of [variants], [samples] and [axes] over these keys;"
+    ' [solver] method = "time" runs them in the time domain.'
+)
 
 
 class _Design(NamedTuple):
@@ -81,7 +84,10 @@ def _line(design: _Design, scale: float) -> tuple[str, ...]:
 
 
 def block(study: StudyFile, data: xr.Dataset, count: int = MANY) -> str:
-    """Lines of a study file that go along so many of the best designs, each once; empty where none are compared."""
+    """Lines of a study file that go along so many of the best designs, each once; empty where none are compared.
+
+    Designs of several variants need not have the same keys: each is a variant then.
+    """
     return _block(study, first(weighed(data), count))
 
 
@@ -99,8 +105,15 @@ def _block(study: StudyFile, designs: Iterable[_Design]) -> str:
     keys = [_keys(study, labels) for i, labels in enumerate(found) if labels not in found[:i]]
     if not keys:
         return ""
-    lists = [f"{json.dumps(path)} = {toml([values[path] for values in keys])}" for path in keys[0]]
-    return "\n".join([INSTEAD, "[[axes.together]]", 'name = "best"', *lists])
+    if all(values.keys() == keys[0].keys() != set() for values in keys):
+        lists = {path: [values[path] for values in keys] for path in keys[0]}
+        return "\n".join([INSTEAD, "[[axes.together]]", 'name = "best"', *_lines(lists)])
+    tables = ([f"[variants.best-{rank}]", *_lines(values)] for rank, values in enumerate(keys, start=1))
+    return "\n".join([INSTEAD, *(line for lines in tables for line in lines)])
+
+
+def _lines(values: Mapping[str, Any]) -> Iterator[str]:
+    yield from (f"{json.dumps(path)} = {toml(value)}" for path, value in values.items())
 
 
 def _keys(study: StudyFile, labels: Mapping[Hashable, Any]) -> dict[str, Any]:

@@ -133,7 +133,7 @@ def failures(values: xr.DataArray) -> xr.DataArray:
     failed = values[FAILED]
     if "sea_state" in failed.dims:
         failed = failed & _of_waves(values, _first)
-    return failed.sum(_tasks(failed)).drop_vars(BESIDE, errors="ignore")
+    return failed.astype(int).sum(_tasks(failed)).drop_vars(BESIDE, errors="ignore")
 
 
 def with_errors(data: xr.Dataset, values: xr.DataArray, size: xr.DataArray) -> xr.DataArray:

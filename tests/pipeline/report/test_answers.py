@@ -76,6 +76,17 @@ def test_realizations_that_failed_are_counted():
     assert found.mean_power_difference.sel({"float": "front", "estimate": "value"}) == approx(0.75 * 12 + 0.25 * 41)
 
 
+def test_a_single_sea_of_a_single_realization_is_written(tmp_path):
+    """A count over no dimension is one: what is true or false no file takes."""
+    data = dataset().isel(sea_state=[0], seed=0, drop=True)
+    data.absorbed_power[0, 1] = np.nan
+    data.status[0, 1] = "failed"
+    one = data.squeeze("sea_state", drop=True)
+    found = answers(one, pair_of(one, ""))
+    assert found.failed_realizations.dtype == int and lives(one).failed_realizations.dtype == int
+    found.to_netcdf(tmp_path / "answers.nc")
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [

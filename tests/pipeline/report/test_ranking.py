@@ -93,6 +93,33 @@ def test_the_best_run_again_as_the_same_tasks(small):
         assert parameters(again, best=number) == parameters(study, sample=sample)
 
 
+def test_designs_of_variants_with_keys_of_their_own_run_again_as_variants(small):
+    """Where one leaves a key as the study has it, or brings a table, there is no list for all."""
+    own = """
+[variants.usual]
+[variants.raised]
+"floats.front.cog" = [0.0, 0.0, 0.1]
+[variants.stopped]
+"floats.front.end_stops" = { lower = -0.9, upper = 0.9, stiffness = 2e7, damping = 2e5 }
+"""
+    study = pasted(small, SAMPLES + own)
+    order = [("usual", 3), ("stopped", 3), ("raised", 0)]
+    power = xr.concat([dataset(np.zeros(COUNT), **OFTEN)] * 3, "variant").assign_coords(
+        variant=[*study.content.variants]
+    )
+    power["variant"].attrs["long_name"] = "Values of floats.front.cog, floats.front.end_stops"
+    for worth, (variant, sample) in zip((9e3, 8e3, 7e3), order, strict=True):
+        power.absorbed_power.loc[{"variant": variant, "sample": sample}] = worth
+    lines = block(study.content, power, 3)
+    assert "[[axes.together]]" not in lines
+    again = pasted(small, lines)
+    assert list(again.content.variants) == ["best-1", "best-2", "best-3"]
+    for number, (variant, sample) in enumerate(order, start=1):
+        assert parameters(again, variant=f"best-{number}") == parameters(study, variant=variant, sample=sample)
+    alone = block(study.content, power.isel(sample=[3]).squeeze("sample", drop=True), 1)
+    assert tomllib.loads(alone) == {"variants": {"best-1": {}}}
+
+
 def test_named_axes_of_floats_are_written_as_their_keys(study_of, buan_tables):
     buan_tables["axes"] |= {"pto_damping": [1e5, 2e5], "hinge_spacing": [5.0, 8.0]}
     study = study_of(buan_tables)
@@ -118,7 +145,7 @@ def test_values_of_every_kind_are_written_as_a_file_has_them():
 def test_the_page_and_the_command_have_the_lines(small, tmp_path, capsys):
     study, data = pasted(small, SAMPLES), dataset(np.arange(COUNT), **OFTEN)
     text = page.html(figures.Results(study=study, data=data.assign_coords(seed=[0, 1])))
-    assert "<pre># Instead of [samples]" in text and "[[axes.together]]" in text
+    assert "<pre># Instead of [variants], [samples]" in text and "[[axes.together]]" in text
     few = figures.Results(study=study, data=data.isel(sample=slice(MANY)).assign_coords(seed=[0, 1]))
     assert "[[axes.together]]" not in page.html(few)
     root = tmp_path / "results" / "small"
