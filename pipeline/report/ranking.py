@@ -107,12 +107,12 @@ def _block(study: StudyFile, designs: Iterable[_Design]) -> str:
         return ""
     if all(values.keys() == keys[0].keys() != set() for values in keys):
         lists = {path: [values[path] for values in keys] for path in keys[0]}
-        return "\n".join([INSTEAD, "[[axes.together]]", 'name = "best"', *_lines(lists)])
-    tables = ([f"[variants.best-{rank}]", *_lines(values)] for rank, values in enumerate(keys, start=1))
+        return "\n".join([INSTEAD, "[[axes.together]]", 'name = "best"', *_assignments(lists)])
+    tables = ([f"[variants.best-{rank}]", *_assignments(values)] for rank, values in enumerate(keys, start=1))
     return "\n".join([INSTEAD, *(line for lines in tables for line in lines)])
 
 
-def _lines(values: Mapping[str, Any]) -> Iterator[str]:
+def _assignments(values: Mapping[str, Any]) -> Iterator[str]:
     yield from (f"{json.dumps(path)} = {toml(value)}" for path, value in values.items())
 
 
