@@ -108,8 +108,8 @@ def _block(study: StudyFile, designs: Iterable[_Design]) -> str:
     if all(values.keys() == keys[0].keys() != set() for values in keys):
         lists = {path: [values[path] for values in keys] for path in keys[0]}
         return "\n".join([INSTEAD, "[[axes.together]]", 'name = "best"', *_assignments(lists)])
-    tables = ([f"[variants.best-{rank}]", *_assignments(values)] for rank, values in enumerate(keys, start=1))
-    return "\n".join([INSTEAD, *(line for lines in tables for line in lines)])
+    tables = ("\n".join([f"[variants.best-{rank}]", *_assignments(of)]) for rank, of in enumerate(keys, start=1))
+    return "\n".join([INSTEAD, *tables])
 
 
 def _assignments(values: Mapping[str, Any]) -> Iterator[str]:
