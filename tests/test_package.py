@@ -4,11 +4,13 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import solver
+from solver import motions
 from solver.coupled.boundary import coefficients, needed
 
 ROOT = Path(__file__).parents[1]
@@ -46,11 +48,12 @@ def test_every_name_is_there_and_no_other():
 
 
 def test_a_scene_implies_the_arguments_of_its_boundary_elements(monkeypatch):
-    asked = {}
-    monkeypatch.setattr("solver.hydrodynamics.bem.bem.solve", lambda *a, **k: asked.update(k))
+    asked, found = {}, SimpleNamespace(told=lambda motions: motions)  # of what panels resolve
+    monkeypatch.setattr("solver.hydrodynamics.bem.bem.solve", lambda *a, **k: asked.update(k) or found)
     water = solver.Water(depth=30.0, density=1000.0)
     sea = solver.regular(height=0.1, period=2 * np.pi / 5.5, heading=0.4)
-    coefficients(solver.Scene(water=water, sea=sea, floats=(ball(),), settings=solver.Settings(time_step=0.1)))
+    scene = solver.Scene(water=water, sea=sea, floats=(ball(),), settings=solver.Settings(time_step=0.1))
+    assert coefficients(scene) == motions.of_scene(scene)
     assert (asked["depth"], asked["density"], asked["heading"], asked["planar"]) == (30.0, 1000.0, 0.4, False)
     assert asked["omega"][-1] >= 5.5 and asked["waves_to"] == pytest.approx(5.5, rel=1e-12)
     coefficients(solver.Scene(water=water, floats=(ball(),)), band=(0.21, 7.0))

@@ -86,8 +86,9 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     else:
         problem = bem_problem(geometries)
         each = dict(zip(problem.headings, bem.united(problem, shares), strict=True))
-        found = [replace(each[geometry.heading], waves_to=waves_to(geometry)) for geometry in geometries]
-    radiating = {one.waves_to: one for one in reversed(found)}  # headings share what radiates
+        reach = [replace(each[geometry.heading], waves_to=waves_to(geometry)) for geometry in geometries]
+        found = [one.told(geometry.needed) for one, geometry in zip(reach, geometries, strict=True)]
+    radiating = {(one.waves_to, one.omega.size): one for one in reversed(found)}  # headings share what radiates
     # Each heading's own, which its forces judge.
     found = [replace(one, rings=(one.ringing, one.shifted.ringing)) for one in found]
     if not first.memory:
@@ -96,7 +97,7 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     for one, geometry in zip(found, geometries, strict=True):
         ways = geometry.needed
         try:
-            memory = remembered(radiating[one.waves_to], hulls, USUAL, ways)
+            memory = remembered(radiating[one.waves_to, one.omega.size], hulls, USUAL, ways)
         except SimulationFailed:  # said by the task that needs it
             whole.append(one)
         else:

@@ -32,6 +32,8 @@ EACH_ALONE = "each alone"  # what the settings say of bodies that do not interac
 ROUGH = 3  # order of the divided differences by which a curve is rough
 RESOLVED = 1e-3  # of the largest singular value: poles too broad to be told from a smooth rest are left to that
 CLOSE = 1e-3  # of each motion's largest impedance: what the poles of what rings need not meet better
+UNTOLD = 0.1  # of A + iB/ω: where panels leave more of it they do not resolve the waves that a motion makes
+NEARBY = 3  # frequencies to either side
 HELD = 3  # of so many frequencies one is left out, and judges the poles
 HOPELESS = 10.0  # logarithms of squares above the least that is missed: more poles are not sought
 CURVES = 16  # sets of coefficients whose curves a process keeps
@@ -104,6 +106,28 @@ class Hydrodynamics:
         omega, samples, _ = shifted._heard
         beta = fitted(omega, mixed(samples, CLOSE), pairs) if pairs else self._poles
         return replace(shifted, rings=(beta[beta.imag > 0],) * 2)
+
+    def told(self, motions: Sequence[Sequence[str]]) -> "Hydrodynamics":
+        """Of the frequencies that panels resolve, for bodies with these motions: all up to `waves_to`, and beyond until
+        they leave more than UNTOLD of a motion's own A + iB/ω at most of those NEARBY.
+        """
+        if self.error is None:
+            return self
+        own, off = (
+            np.abs(np.einsum("wii->wi", of.added_mass + 1j * of.radiation_damping / self.omega[:, None, None]))
+            for of in (self, self.error)
+        )
+        heard = self.moved(motions) & radiates(own.max(axis=0), self._lengths, self.body)
+        lost = np.any(off > UNTOLD * own, axis=1, where=heard)
+        most = np.convolve(lost, np.ones(2 * NEARBY + 1), "same") > NEARBY
+        kept = np.logical_and.accumulate((self.omega <= self.waves_to) | ~most)
+        if kept.all():
+            return self
+        curves = ("omega", "added_mass", "radiation_damping", "diffraction", "froude_krylov")
+        error = {name: getattr(self.error, name)[kept] for name in curves[1:4]}
+        far = self.far_field and FarField(self.far_field[0], *(modes[kept] for modes in self.far_field[1:]))
+        cut = {name: getattr(self, name)[kept] for name in curves}
+        return replace(self, **cut, error=self.error._replace(**error), far_field=far)
 
     @cached_property
     def mesh_error(self) -> float:
@@ -178,14 +202,19 @@ class Hydrodynamics:
         much, so much is their forces' share in it.
         """
         transfer = self.radiation_damping + 1j * self.omega[:, None, None] * (self.added_mass - self.added_mass_inf)
-        lengths = np.repeat(np.cbrt(self.displaced_mass / self.density), len(self.dofs))
-        lengths[np.tile([DOFS.index(dof) < 3 for dof in self.dofs], len(self.centres))] = 1.0
         size = np.sqrt(np.abs(np.einsum("wii->wi", transfer)).max(axis=0))
-        heard = np.flatnonzero(radiates(size**2, lengths, self.body))
+        heard = np.flatnonzero(radiates(size**2, self._lengths, self.body))
         scaled = transfer[self.resolved][:, heard[:, None], heard] / np.outer(size[heard], size[heard])
         force = (self.diffraction * self.arrival(self.omega).conj())[self.resolved][:, heard] / size[heard]
         force /= max(np.abs(force).max(initial=0.0), np.finfo(float).tiny)
         return self.omega[self.resolved], scaled.reshape(len(scaled), -1), force
+
+    @property
+    def _lengths(self) -> np.ndarray:
+        """By which motions compare (n,): 1 of translations, of rotations the size of the body [m]."""
+        lengths = np.repeat(np.cbrt(self.displaced_mass / self.density), len(self.dofs))
+        lengths[np.tile([DOFS.index(dof) < 3 for dof in self.dofs], len(self.centres))] = 1.0
+        return lengths
 
     @property
     def interacting(self) -> bool:

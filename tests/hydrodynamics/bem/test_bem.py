@@ -371,6 +371,42 @@ def test_frequencies_that_alias_what_bodies_reflect_are_told_from_others():
     assert replace(pair, waves_to=3.0, settings={"bodies": "each alone"}).resolved.all()
 
 
+def test_frequencies_above_the_waves_that_panels_do_not_resolve_are_left_out():
+    """From where they leave over a tenth of a motion's own A + iB/ω, of those that there are; not for one that stands
+    out."""
+    whole = hemisphere()
+    own = np.hypot(whole.added_mass, whole.radiation_damping / whole.omega[:, None, None])
+    last, heave = len(whole.omega) - 1, whole.dofs.index("heave")
+
+    def solved(share, of=heave, **more):
+        error = whole.error._replace(added_mass=np.zeros_like(own), radiation_damping=np.zeros_like(own))
+        error.added_mass[:, of, of] = share * own[:, of, of]
+        return replace(whole, error=error, waves_to=whole.omega[2], **more)
+
+    lost = np.where(np.arange(last + 1) >= last - 5, 0.2, 0.0)
+    assert len(solved(lost / 3).told(()).omega) == last + 1
+    found = solved(lost).told(())
+    assert np.array_equal(found.omega, whole.omega[: last - 5])
+    assert np.array_equal(found.diffraction, whole.diffraction[: last - 5])
+    assert found.error.added_mass.shape == found.added_mass.shape == found.radiation_damping.shape
+    there = whole.excitation(found.omega)
+    assert found.excitation(found.omega) == pytest.approx(there, rel=1e-12, abs=1e-9 * np.abs(there).max())
+    assert len(solved(lost).told([("surge", "pitch")]).omega) == last + 1
+    assert len(replace(solved(lost), waves_to=whole.omega[last - 2]).told(()).omega) == last - 1
+    assert len(solved(np.where(np.arange(last + 1) == last - 5, 0.2, 0.0)).told(()).omega) == last + 1
+    assert replace(whole, error=None).told(()).error is None
+
+
+def test_a_wide_shallow_disc_has_no_frequencies_that_its_panels_do_not_resolve():
+    """Its waves end at Kh = 0.2; up to 2, h the side of a panel, coefficients are noise from about 0.6 on."""
+    disc = Revolution.vertical_cylinder(radius=10.0, draft=0.6, freeboard=3.0)
+    k = np.array([0.02, 0.05, 0.1, 0.2, 0.3, 0.8, 1.0, 1.2, 1.4, 1.7, 2.0]) / np.sqrt(disc.wetted_area / 216)
+    known = bem.solve((disc,), [[0, 0, 0]], depth=np.inf, omega=np.sqrt(9.81 * k), panels=216)
+    told = replace(known, waves_to=known.omega[3]).told([("heave", "pitch")])
+    assert told.omega.tolist() == known.omega[:5].tolist()
+    assert np.array_equal(told.added_mass, known.added_mass[:5])
+
+
 def test_the_grid_covers_the_band_and_resolves_reflections():
     alone = bem.frequency_grid((FLOAT,), [[0, 0, 0]], depth=np.inf)
     assert alone == pytest.approx(np.linspace(np.sqrt(0.02 * G), np.sqrt(10 * G), 40))

@@ -529,6 +529,8 @@ def test_the_memory_is_of_the_motions_that_a_float_can_have(study_with, monkeypa
     known = engine._known([free, guided, turned], [None])
     assert [k.memory for k in known] == [1, 2, 3] and [ways for _, ways in fits] == [(), (("heave",),), (("heave",),)]
     assert known[1].memory_motions == (("heave",),)
+    # Of frequencies that panels resolve for those motions.
+    assert [k.omega.size for k in known] == [h.omega.size for h, _ in fits] == [9, 8, 8]
 
 
 def test_waves_of_other_periods_share_what_radiates(study_with, monkeypatch):
@@ -557,6 +559,10 @@ class Unsolved:
     memory_motions: tuple = ()
     rings: tuple = ()
     added: str = ""
+    omega: tuple | np.ndarray = ()
+
+    def told(self, motions):
+        return replace(self, omega=np.arange(9.0 - len(motions)))
 
     @property
     def ringing(self):
