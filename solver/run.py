@@ -11,6 +11,7 @@ from solver.coupled.blocks import blocks, energy_residual, unbalanced
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
 from solver.coupled.natural import require_stable, require_upright, system_modes, with_critical_damping, with_usual_step
+from solver.coupled.preparation import remembering
 from solver.coupled.problem import Output
 from solver.coupled.stages import copied
 from solver.coupled.system import BALANCE, System
@@ -18,6 +19,7 @@ from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, cautions, coefficient_errors
 from solver.hydrodynamics.radiation.fitting import USUAL
 from solver.limits import field_error
+from solver.motions import of_scene
 from solver.oddities import overdamped, warnings
 from solver.record.accuracy import ATTEMPTS, first_guess, improved, overruled
 from solver.record.audit import audit, doubts
@@ -60,7 +62,9 @@ def simulate(scene: Scene, hydrodynamics: Hydrodynamics | None = None, watch: Wa
     """
     clock = time.perf_counter()
     if hydrodynamics is None and needed(scene):
-        hydrodynamics = coefficients(scene)
+        hydrodynamics, s = coefficients(scene), scene.settings
+        if hydrodynamics is not None and s.radiation and (s.method, s.memory) == ("time", "state-space"):
+            hydrodynamics = remembering(hydrodynamics, tuple(f.hull for f in scene.floats), of_scene(scene))
     odd = [*overdamped(scene)]
     scene = with_critical_damping(scene, hydrodynamics)
     given = scene.settings

@@ -4,7 +4,6 @@ import re
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -48,17 +47,33 @@ def test_every_name_is_there_and_no_other():
 
 
 def test_a_scene_implies_the_arguments_of_its_boundary_elements(monkeypatch):
-    asked, found = {}, SimpleNamespace(told=lambda motions: motions)  # of what panels resolve
-    monkeypatch.setattr("solver.hydrodynamics.bem.bem.solve", lambda *a, **k: asked.update(k) or found)
+    asked = {}
+    monkeypatch.setattr("solver.hydrodynamics.bem.bem.solve", lambda *a, **k: asked.update(k))
     water = solver.Water(depth=30.0, density=1000.0)
     sea = solver.regular(height=0.1, period=2 * np.pi / 5.5, heading=0.4)
-    scene = solver.Scene(water=water, sea=sea, floats=(ball(),), settings=solver.Settings(time_step=0.1))
-    assert coefficients(scene) == motions.of_scene(scene)
+    coefficients(solver.Scene(water=water, sea=sea, floats=(ball(),), settings=solver.Settings(time_step=0.1)))
     assert (asked["depth"], asked["density"], asked["heading"], asked["planar"]) == (30.0, 1000.0, 0.4, False)
     assert asked["omega"][-1] >= 5.5 and asked["waves_to"] == pytest.approx(5.5, rel=1e-12)
     coefficients(solver.Scene(water=water, floats=(ball(),)), band=(0.21, 7.0))
     assert asked["planar"] and asked["omega"][-1] >= 7.0 and asked["waves_to"] == 7.0
     assert coefficients(solver.Scene(water=water)) is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "asked"), [({}, True), ({"memory": "convolution"}, False), ({"radiation": False}, False)]
+)
+def test_a_march_has_the_memory_that_a_study_has(monkeypatch, changes, asked):
+    """Of the frequencies that panels resolve."""
+
+    def remembering(h, hulls, ways):
+        raise LookupError(h, hulls, ways)
+
+    monkeypatch.setattr("solver.run.coefficients", lambda scene: "solved")
+    monkeypatch.setattr("solver.run.remembering", remembering)
+    scene = solver.Scene(water=solver.Water(depth=30.0), floats=(ball(),), settings=solver.Settings(**changes))
+    with pytest.raises((LookupError, AttributeError)) as caught:
+        solver.simulate(scene)
+    assert (caught.value.args == ("solved", (ball().hull,), motions.of_scene(scene))) is asked
 
 
 def test_boundary_elements_are_solved_only_where_something_depends_on_them():

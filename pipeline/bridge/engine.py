@@ -76,9 +76,8 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     That, and what rings between the floats, is found here, once, and not by each task: fitting amplifies rounding, and
     other machines round otherwise.
     """
-    from solver.coupled.preparation import remembered
+    from solver.coupled.preparation import remembering
     from solver.hydrodynamics.bem import bem
-    from solver.hydrodynamics.radiation.fitting import USUAL
 
     first, whole = geometries[0], []
     if first.coefficients:
@@ -86,22 +85,21 @@ def _known(geometries: Sequence[Geometry], shares: Sequence[Share]) -> list[Hydr
     else:
         problem = bem_problem(geometries)
         each = dict(zip(problem.headings, bem.united(problem, shares), strict=True))
-        reach = [replace(each[geometry.heading], waves_to=waves_to(geometry)) for geometry in geometries]
-        found = [one.told(geometry.needed) for one, geometry in zip(reach, geometries, strict=True)]
-    radiating = {(one.waves_to, one.omega.size): one for one in reversed(found)}  # headings share what radiates
-    # Each heading's own, which its forces judge.
-    found = [replace(one, rings=(one.ringing, one.shifted.ringing)) for one in found]
-    if not first.memory:
-        return found
+        found = [replace(each[geometry.heading], waves_to=waves_to(geometry)) for geometry in geometries]
     hulls = tuple(hull(body.hull) for body in first.bodies)
+    alike: dict[Any, Hydrodynamics] = {}
     for one, geometry in zip(found, geometries, strict=True):
-        ways = geometry.needed
-        try:
-            memory = remembered(radiating[one.waves_to, one.omega.size], hulls, USUAL, ways)
-        except SimulationFailed:  # said by the task that needs it
-            whole.append(one)
-        else:
-            whole.append(replace(one, memory=memory, memory_tolerance=USUAL, memory_motions=ways))
+        key = one.waves_to, geometry.needed  # headings share what radiates
+        if key not in alike:
+            try:
+                alike[key] = remembering(one, hulls, geometry.needed) if first.memory else one
+            except SimulationFailed:  # said by the task that needs it
+                alike[key] = one
+        radiating = alike[key]
+        memory = {name: getattr(radiating, name) for name in ("memory", "memory_tolerance", "memory_motions")}
+        own = one.first(radiating.omega.size)
+        # Rings are each heading's own, which its forces judge.
+        whole.append(replace(own, rings=(own.ringing, own.shifted.ringing), **memory))
     return whole
 
 

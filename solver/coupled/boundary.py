@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from solver import motions
 from solver.hydrodynamics.bem import bem
 from solver.scene import Scene, needs_coefficients, panels_for
 
@@ -31,7 +30,7 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
     s, depth, gravity = scene.settings, water.depth, water.gravity
     panels = panels_for(s.tolerance, hulls)
     how: Any = {"depth": depth, "gravity": gravity, "panels": panels, "interaction": s.interaction}
-    found = bem.solve(
+    return bem.solve(
         hulls,
         centres,
         density=water.density,
@@ -45,4 +44,3 @@ def coefficients(scene: Scene, band: tuple[float, float] | None = None) -> bem.H
         gap_width=s.gap_width,
         **how,
     )
-    return found.told(motions.of_scene(scene))

@@ -13,7 +13,7 @@ from solver.coupled.moving import along_waves
 from solver.coupled.sliding import Places
 from solver.coupled.support import Support
 from solver.coupled.system import FELT, KNOWN, System
-from solver.errors import InputError
+from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull.mesh import Hull
@@ -211,6 +211,21 @@ def remembered(
         return h.memory
     known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
     return fitting.fit(*known, tolerance, motion_lengths(hulls, h.dofs), h.body, moved, h.resolved, hold)
+
+
+def remembering(h: Hydrodynamics, hulls: tuple[Hull, ...], ways: tuple[tuple[str, ...], ...]) -> Hydrodynamics:
+    """Coefficients with their memory as scenes have it that ask for nothing else, of bodies with these motions.
+
+    Where that misses what it should, at the frequencies that panels resolve alone if it misses less of them.
+    """
+    usual = remembered(h, hulls, fitting.USUAL, ways)
+    if usual.error > fitting.USUAL and (told := h.told(ways)) is not h:
+        try:
+            fewer = remembered(told, hulls, fitting.USUAL, ways)
+        except SimulationFailed:  # of what is left nothing passive comes near
+            fewer = usual
+        h, usual = (told, fewer) if fewer.error < usual.error else (h, usual)
+    return replace(h, memory=usual, memory_tolerance=fitting.USUAL, memory_motions=ways)
 
 
 def _reaches(scene: Scene, slid: np.ndarray) -> list[float]:

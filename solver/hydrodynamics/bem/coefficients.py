@@ -108,7 +108,7 @@ class Hydrodynamics:
         return replace(shifted, rings=(beta[beta.imag > 0],) * 2)
 
     def told(self, motions: Sequence[Sequence[str]]) -> "Hydrodynamics":
-        """Of the frequencies that panels resolve, for bodies with these motions: all up to `waves_to`, and beyond until
+        """At the frequencies that panels resolve, for bodies with these motions: all up to `waves_to`, and beyond until
         they leave more than UNTOLD of a motion's own A + iB/ω at most of those NEARBY.
         """
         if self.error is None:
@@ -119,15 +119,18 @@ class Hydrodynamics:
         )
         heard = self.moved(motions) & radiates(own.max(axis=0), self._lengths, self.body)
         lost = np.any(off > UNTOLD * own, axis=1, where=heard)
-        most = np.convolve(lost, np.ones(2 * NEARBY + 1), "same") > NEARBY
-        kept = np.logical_and.accumulate((self.omega <= self.waves_to) | ~most)
-        if kept.all():
+        most = np.convolve(lost, np.ones(2 * NEARBY + 1))[NEARBY:-NEARBY] > NEARBY
+        return self.first(int(np.logical_and.accumulate((self.omega <= self.waves_to) | ~most).sum()))
+
+    def first(self, count: int) -> "Hydrodynamics":
+        """At the first frequencies, so many."""
+        if count == self.omega.size:
             return self
-        curves = ("omega", "added_mass", "radiation_damping", "diffraction", "froude_krylov")
-        error = {name: getattr(self.error, name)[kept] for name in curves[1:4]}
-        far = self.far_field and FarField(self.far_field[0], *(modes[kept] for modes in self.far_field[1:]))
-        cut = {name: getattr(self, name)[kept] for name in curves}
-        return replace(self, **cut, error=self.error._replace(**error), far_field=far)
+        curves = ("added_mass", "radiation_damping", "diffraction")
+        cut = {name: getattr(self, name)[:count] for name in ("omega", *curves, "froude_krylov")}
+        error = self.error and self.error._replace(**{name: getattr(self.error, name)[:count] for name in curves})
+        far = self.far_field and FarField(self.far_field[0], *(modes[:count] for modes in self.far_field[1:]))
+        return replace(self, **cut, error=error, far_field=far)
 
     @cached_property
     def mesh_error(self) -> float:

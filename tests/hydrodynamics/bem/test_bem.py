@@ -3,12 +3,14 @@
 from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from solver.errors import InputError
+from solver.coupled import preparation
+from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem import adopted, bem, incident
 from solver.hydrodynamics.bem import problem as bem_problem
 from solver.hydrodynamics.bem.coefficients import MeshError
@@ -371,18 +373,20 @@ def test_frequencies_that_alias_what_bodies_reflect_are_told_from_others():
     assert replace(pair, waves_to=3.0, settings={"bodies": "each alone"}).resolved.all()
 
 
+def lost_in_heave(share):
+    """A hemisphere of whose A + iB/ω in heave panels leave so much; its waves end at the third frequency."""
+    whole = hemisphere()
+    error = whole.error._replace(**dict.fromkeys(("added_mass", "radiation_damping"), np.zeros_like(whole.added_mass)))
+    own, heave = np.hypot(whole.added_mass, whole.radiation_damping / whole.omega[:, None, None]), 1
+    error.added_mass[:, heave, heave] = share * own[:, heave, heave]
+    return replace(whole, error=error, waves_to=whole.omega[2])
+
+
 def test_frequencies_above_the_waves_that_panels_do_not_resolve_are_left_out():
     """From where they leave over a tenth of a motion's own A + iB/ω, of those that there are; not for one that stands
     out."""
-    whole = hemisphere()
-    own = np.hypot(whole.added_mass, whole.radiation_damping / whole.omega[:, None, None])
-    last, heave = len(whole.omega) - 1, whole.dofs.index("heave")
-
-    def solved(share, of=heave, **more):
-        error = whole.error._replace(added_mass=np.zeros_like(own), radiation_damping=np.zeros_like(own))
-        error.added_mass[:, of, of] = share * own[:, of, of]
-        return replace(whole, error=error, waves_to=whole.omega[2], **more)
-
+    whole, solved = hemisphere(), lost_in_heave
+    last = len(whole.omega) - 1
     lost = np.where(np.arange(last + 1) >= last - 5, 0.2, 0.0)
     assert len(solved(lost / 3).told(()).omega) == last + 1
     found = solved(lost).told(())
@@ -395,6 +399,26 @@ def test_frequencies_above_the_waves_that_panels_do_not_resolve_are_left_out():
     assert len(replace(solved(lost), waves_to=whole.omega[last - 2]).told(()).omega) == last - 1
     assert len(solved(np.where(np.arange(last + 1) == last - 5, 0.2, 0.0)).told(()).omega) == last + 1
     assert replace(whole, error=None).told(()).error is None
+
+
+@pytest.mark.parametrize(
+    ("all_of_them", "fewer", "chosen"), [(1e-3, 1e-4, 0), (0.5, 4e-3, 5), (0.05, 0.06, 0), (0.05, None, 0)]
+)
+def test_a_memory_that_misses_too_much_is_of_what_panels_resolve_if_it_misses_less_of_that(
+    monkeypatch, all_of_them, fewer, chosen
+):
+    lost = np.where(np.arange(hemisphere().omega.size) >= hemisphere().omega.size - 5, 0.2, 0.0)
+
+    def remembered(h, *_):
+        error = all_of_them if h.omega.size == lost.size else fewer
+        if error is None:
+            raise SimulationFailed("no passive fit")
+        return SimpleNamespace(error=error)
+
+    monkeypatch.setattr(preparation, "remembered", remembered)
+    h = preparation.remembering(lost_in_heave(lost), (FLOAT,), (("heave",),))
+    assert h.omega.size == lost.size - chosen and h.memory.error == (fewer if chosen else all_of_them)
+    assert h.memory_motions == (("heave",),) and h.memory_tolerance == 5e-3
 
 
 def test_a_wide_shallow_disc_has_no_frequencies_that_its_panels_do_not_resolve():

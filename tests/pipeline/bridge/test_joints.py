@@ -1,7 +1,7 @@
 """Floats on joints of every kind, from a study file to the solver's scene."""
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -527,10 +527,9 @@ def test_the_memory_is_of_the_motions_that_a_float_can_have(study_with, monkeypa
     fits = unsolved(monkeypatch)
     turned = guided.model_copy(update={"heading": 0.5})
     known = engine._known([free, guided, turned], [None])
-    assert [k.memory for k in known] == [1, 2, 3] and [ways for _, ways in fits] == [(), (("heave",),), (("heave",),)]
+    assert [k.memory for k in known] == [1, 2, 2] and [ways for _, ways in fits] == [(), (("heave",),)]
     assert known[1].memory_motions == (("heave",),)
-    # Of frequencies that panels resolve for those motions.
-    assert [k.omega.size for k in known] == [h.omega.size for h, _ in fits] == [9, 8, 8]
+    assert [k.omega.size for k in known] == [9, 8, 8]  # as the memory has it
 
 
 def test_waves_of_other_periods_share_what_radiates(study_with, monkeypatch):
@@ -545,7 +544,7 @@ def test_waves_of_other_periods_share_what_radiates(study_with, monkeypatch):
     known = engine._known([slow, fast, slow.model_copy(update={"heading": 0.5})], [None])
     assert [k.waves_to for k in known] == [2.0, 4.0, 2.0]
     assert [k.rings for k in known] == [(x, f"shifted {x}") for x in ("2 towards 0", "4 towards 0", "2 towards 0.5")]
-    assert [(h.waves_to, h.heading) for h, _ in fits] == [(2.0, slow.heading), (4.0, slow.heading), (2.0, slow.heading)]
+    assert [(h.waves_to, h.heading) for h, _ in fits] == [(2.0, slow.heading), (4.0, slow.heading)]
 
 
 @dataclass
@@ -559,10 +558,10 @@ class Unsolved:
     memory_motions: tuple = ()
     rings: tuple = ()
     added: str = ""
-    omega: tuple | np.ndarray = ()
+    omega: np.ndarray = field(default_factory=lambda: np.arange(9.0))
 
-    def told(self, motions):
-        return replace(self, omega=np.arange(9.0 - len(motions)))
+    def first(self, count):
+        return replace(self, omega=self.omega[:count])
 
     @property
     def ringing(self):
@@ -580,7 +579,12 @@ def unsolved(monkeypatch):
 
     fits = []
     monkeypatch.setattr(bem, "united", lambda problem, _: list(map(Unsolved, problem.headings)))
-    monkeypatch.setattr(preparation, "remembered", lambda h, _hulls, _usual, ways: fits.append((h, ways)) or len(fits))
+
+    def remembering(h, _hulls, ways):
+        fits.append((h, ways))
+        return replace(h.first(9 - len(ways)), memory=len(fits), memory_motions=ways)
+
+    monkeypatch.setattr(preparation, "remembering", remembering)
     return fits
 
 
@@ -595,7 +599,7 @@ def test_what_neither_radiates_nor_diffracts_is_not_solved(study_with, monkeypat
     solved = bem.solve(**bem_arguments(geometry_of(whole)) | {"omega": np.array([0.8, 1.2]), "panels": 108})
     monkeypatch.setattr(bem, "_coefficients", lambda *_, **__: pytest.fail("solved"))
     fits = []
-    monkeypatch.setattr("solver.coupled.preparation.remembered", lambda *given: fits.append(given))
+    monkeypatch.setattr("solver.coupled.preparation.remembering", lambda *given: fits.append(given))
     known = engine.hydrodynamics(bare)
     assert not fits and not known.added_mass.any() and not known.radiation_damping.any() and not known.diffraction.any()
     assert known.hydrostatic_stiffness == pytest.approx(solved.hydrostatic_stiffness)
