@@ -57,15 +57,19 @@ class Probe:
     """Keeps what PROBE usual steps of a run are judged by: their samples, and some states.
 
     They are the run's first ones; and where a float meets a stop or a step is cut only later, or a load history bends
-    most, as many again from then on.
+    most, as many again from then on. With a tolerance it is all the rest once stops were met in these and are again: a
+    float that hangs for seconds where it would tip over may err more by that than by all else, and no part tells when.
     """
 
-    def __init__(self, system: System, first: int = 0, state: State | None = None, seconds: float = 0.0):
-        """From step `first` on, before which the run was in that state; seconds: that judging has taken so far."""
+    def __init__(
+        self, system: System, first: int = 0, state: State | None = None, *, rest: bool = False, seconds: float = 0.0
+    ):
+        """From step `first` on, before which the run was in that state; rest: to the run's end; seconds: that judging
+        has taken so far."""
         s = system.scene.settings
         left = s.discard + s.duration - first * system.dt
-        self.system, self.first, self.state = system, first, state
-        self.steps = max(1, int(min(PROBE * system.scene.usual_step, left) / system.dt))
+        self.system, self.first, self.state, self.rest = system, first, state, rest
+        self.steps = max(1, int((left if rest else min(PROBE * system.scene.usual_step, left)) / system.dt))
         short = probed(system.scene, self.steps)
         self.recorder = _judging(short, system)
         self.states: list[tuple[np.ndarray, np.ndarray]] = []
@@ -84,14 +88,21 @@ class Probe:
         inside = int(np.sum(times < self.steps * self.system.dt))
         taken = range(0, inside, every)
         self.cut |= bool(np.any(output.lead[:inside] != UNCUT))
-        self.states += [(output.z[i].copy(), pressure[i].copy()) for i in taken]
+        if not self.rest:  # whose step alone is judged
+            self.states += [(output.z[i].copy(), pressure[i].copy()) for i in taken]
         self.full = bool(times[-1] >= self.steps * self.system.dt * (1 - 1e-9))
 
     def unaware(self, output: Output) -> bool:
-        """Whether the floats meet a stop in a block, or a step is cut, and none was in what has been judged."""
-        hits = output.contact[..., HITS].any() and not self.recorder.contact[:, HITS].any()
+        """Whether the floats meet a stop in a block, or a step is cut, and none was in what has been judged; or where a
+        tolerance is asked for, a stop once more."""
+        hits = output.contact[..., HITS].any() and (self._all_else or not self.recorder.contact[:, HITS].any())
         cut = np.any(output.lead != UNCUT) and not self.cut
         return bool(self._errors) and bool(hits or cut)
+
+    @property
+    def _all_else(self) -> bool:
+        """Whether hits that follow ask for judging the rest of the run."""
+        return self.system.scene.settings.tolerance is not None and bool(self.recorder.contact[:, HITS].any())
 
     def before(self, bend: float, times: np.ndarray) -> bool:
         """Whether a load history bends most at a time in a block, and what has been judged was before."""
@@ -99,7 +110,7 @@ class Probe:
 
     def again(self, first: int, state: State) -> "Probe":
         """Another from there on, whose errors are the larger of both."""
-        later = Probe(self.system, first, state, self.seconds)
+        later = Probe(self.system, first, state, rest=self._all_else, seconds=self.seconds)
         later._before = self._errors
         return later
 
@@ -112,7 +123,9 @@ class Probe:
         """Relative errors of any mean, rms or std by their causes, and `estimated_error`."""
         if not self._errors:
             clock = time.perf_counter()
-            parts = step_errors(self, hydrodynamics) | {"quadrature_error": quadrature_error(self.system, self)}
+            parts = step_errors(self, hydrodynamics)
+            if self.states:
+                parts["quadrature_error"] = quadrature_error(self.system, self)
             if self._before:
                 parts = {name: max(error, parts.get(name, 0.0)) for name, error in self._before.items()}
                 del parts["estimated_error"]

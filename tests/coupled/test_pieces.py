@@ -20,6 +20,7 @@ from solver.coupled.memory import Memory
 from solver.coupled.pieces.fine import _fill_memory, new_fine, sample_drive
 from solver.coupled.preparation import prepare
 from solver.coupled.problem import HITS, HOLDS, LOAD, NOT_CONVERGED, RATE, TO_AND_FRO, UNTOLD, Drive, new_workspace
+from solver.coupled.stages import copied
 from solver.coupled.step import _halfway
 from solver.errors import InputError
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -163,6 +164,29 @@ def test_a_law_that_changes_only_later_is_judged_too(monkeypatch):
         if judge.fresh:
             judge.errors(None)
     assert later == [False, True]
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, None])
+def test_with_a_tolerance_all_that_follows_hits_is_judged(monkeypatch, tolerance):
+    """Of a mass on a spring that meets a stop with each swing; the larger error counts."""
+    monkeypatch.setattr(probe, "PROBE", 100)
+    scene = mass(0.4, 200.0, stiffness=M, offset=1.0, end_stops=EndStops(lower=-0.5, upper=2.0, stiffness=STIFF * M))
+    system = prepare(replace(scene, settings=replace(scene.settings, tolerance=tolerance)), None)
+    state, judge = system.start(), probe.Probe(system)
+    before, done, told = copied(state), 0, []
+    for samples, output, times in blocks(system, state, 500):
+        judge.add(times, output, samples)
+        if judge.unaware(output):
+            judge = judge.again(done, before)
+            judge.add(times, output, samples)
+        before, done = copied(state), done + len(times) // 2
+        if judge.fresh:
+            told.append(judge.errors(None)["discretization_error"])
+    assert judge.full and told == sorted(told)
+    if tolerance is None:
+        assert len(told) == 1 and judge.first == 0 and judge.steps < 250
+    else:
+        assert len(told) == 2 and judge.first == 256 and judge.steps > 242
 
 
 def tables_of(scene, rate=0.0):
