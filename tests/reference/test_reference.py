@@ -246,6 +246,12 @@ def test_accuracy_reference_turns_every_approximation_off(coefficients):
     assert record.attrs["discretization_error"] > 0 and record.attrs["constraint_drift"] <= 1e-10
 
 
+def test_waves_on_a_frame_are_judged_at_the_same_times_by_both_steps(coefficients):
+    """A quarter of the longer step apart the loads of waves that set in differ by a tenth."""
+    record = simulate(scene(duration=4.0, time_step=0.2, ramp=2.0, elastic=True, formulation="augmented"), coefficients)
+    assert 1e-6 < record.attrs["discretization_error"] < 2e-3
+
+
 def test_a_model_let_go_in_still_water_asks_for_no_wave(coefficients):
     """Of 1 rad/s, below all that a small body is solved for."""
     high = coefficients.omega > 1.1
