@@ -14,6 +14,7 @@ from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem import adopted, bem, incident
 from solver.hydrodynamics.bem import problem as bem_problem
 from solver.hydrodynamics.bem.coefficients import MeshError
+from solver.hydrodynamics.bem.far_field import FarField
 from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.hull import mesh as meshes
@@ -393,6 +394,9 @@ def test_frequencies_above_the_waves_that_panels_do_not_resolve_are_left_out():
     assert np.array_equal(found.omega, whole.omega[: last - 5])
     assert np.array_equal(found.diffraction, whole.diffraction[: last - 5])
     assert found.error.added_mass.shape == found.added_mass.shape == found.radiation_damping.shape
+    modes = np.arange(last + 1.0)
+    afar = replace(solved(lost), far_field=FarField(np.zeros(2), modes[:, None], modes)).told(()).far_field
+    assert afar.scattered.tolist() == afar.radiated[:, 0].tolist() == modes[: last - 5].tolist()
     there = whole.excitation(found.omega)
     assert found.excitation(found.omega) == pytest.approx(there, rel=1e-12, abs=1e-9 * np.abs(there).max())
     assert len(solved(lost).told([("surge", "pitch")]).omega) == last + 1
