@@ -18,6 +18,7 @@ TONNE, NEARLY = 1e3, 2.0  # [kg]; a mass in t is told by what is displaced withi
 ALLOWED = 0.01  # share of the weight or its moment that may be out of balance
 ROUNDING = 1e-9  # of what is allowed: a load that is none
 OUT = "height out of the water"  # of a hull that is given under it
+UNDER = "top's depth"  # of a hull that is given under it, and stays there
 FLUSH = 1e-3  # of its draft: a mesh that rises no higher is one of the wetted part alone, with a lid
 LEVEL_AXES = DOFS[:2]  # along which neither weight nor buoyancy acts
 
@@ -204,11 +205,12 @@ def _least(item: Float, name: str, buoyancy: float, floats: Sequence[Float]) -> 
 
 
 def heaved(scene: Scene, joints: np.ndarray) -> Iterator[tuple[Float, float, float, str]]:
-    """Floats of linear buoyancy that pierce the surface, with how far [m] each rests above where it is given, by its
-    own heave and that of what carries it, and how much that is of its draft, or where it sinks of its freeboard; of
-    one that is given under water how much of its height it has out of it.
+    """Floats with how far [m] each rests above where it is given, by its own heave and that of what carries it, and how
+    much that is of its draft, or where it sinks of its freeboard; of one that is given under water how much of its
+    top's depth, or how much of its height it has out of the water.
 
-    joints (nj,): at rest. Of meshes that end at still water none knows the freeboard.
+    joints (nj,): at rest. Of meshes that end at still water none knows the freeboard. Nonlinear buoyancy goes with what
+    pierces the surface: of such floats those alone are told that are given under it.
     """
     rise, at = {"": 0.0}, iter(joints)
     for item, nonlinear in zip(scene.floats, scene.nonlinear, strict=True):
@@ -216,11 +218,11 @@ def heaved(scene: Scene, joints: np.ndarray) -> Iterator[tuple[Float, float, flo
         rise[item.name] = rise[item.on] + sum(y for name, y in zip(item.motion, own, strict=True) if name == "heave")
         up, hull = float(rise[item.name]), item.hull
         above = hull.freeboard if hull.closed and abs(hull.freeboard) > FLUSH * hull.draft else np.inf
-        if nonlinear or above < -max(up, 0.0):
-            continue
-        if above < 0:
+        if above < 0 and (nonlinear or up < -above):
+            yield item, up, -abs(up) / above, UNDER
+        elif above < 0:
             yield item, up, (up + above) / (hull.draft + above), OUT
-        else:
+        elif not nonlinear:
             yield item, up, *((up / hull.draft, "draft") if up > 0 else (-up / above, "freeboard"))
 
 

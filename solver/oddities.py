@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from solver import limits
-from solver.balance import FLUSH, OUT, TONNE, heaved, held, imbalance
+from solver.balance import FLUSH, OUT, TONNE, UNDER, heaved, held, imbalance
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.mooring import Line, line_pulls, odd_lines
 from solver.scene import DOFS, LEVEL, Float, Platform, Scene, Water, poses, unit_along
@@ -15,6 +15,7 @@ from solver.structure.frame import Frame
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
 HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
+DEEPER = 0.1  # of the depth of its top, under water: linear waves' loads are off by 8 % there
 WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
 LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m
@@ -247,12 +248,21 @@ def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
 
 
 def _risen(scene: Scene, joints: np.ndarray) -> Iterator[str]:
-    """A sentence for each float of linear buoyancy that rests, at joints (nj,), far from where that is of."""
+    """A sentence for each float that rests, at joints (nj,), far above or below where its loads are of.
+
+    Under water the incident waves' pressure on a body-nonlinear one is of where it rests: it errs a third as much.
+    """
+    s, nonlinear = scene.settings, dict(zip(scene.floats, scene.nonlinear, strict=True))
     for f, up, share, of in heaved(scene, joints):
-        if share > HEAVED or of == OUT:  # whose buoyancy is that under water
+        loads, most = "diffraction, radiation and linear buoyancy", HEAVED
+        if of == UNDER and not nonlinear[f]:
+            loads, most = "diffraction, radiation and linear pressure of the waves", DEEPER
+        elif of == UNDER:
+            loads, most = "diffraction and radiation", HEAVED if s.diffraction or s.radiation else np.inf
+        if share > most or of == OUT:  # whose buoyancy is that under water
             yield (
                 f"floats.{f.name} rests at {up:+.3g} m of heave from where it is given, {share:.0%} of its {of}:"
-                " diffraction, radiation and linear buoyancy are of its place there"
+                f" {loads} are of its place there"
             )
 
 

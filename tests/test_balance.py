@@ -621,16 +621,42 @@ def test_a_hull_under_water_that_comes_out_of_it_at_rest_is_told_and_one_wholly_
         spring = 9.81 * 500 * deep.volume / up
         return simulate(buoy(0.5 * 1000 * deep.volume, hull=deep, stiffness=spring), None).attrs.get("warnings", "")
 
-    assert "m of heave from where it is given" not in told(0.29)
+    assert "97% of its top's depth" in told(0.29)
     assert "rests at +0.32 m of heave from where it is given, 10% of its height out of the water" in told(0.32)
     with pytest.raises(SimulationFailed, match=r"would rest at \+0\.51 m of heave .* its whole hull out of the water"):
         told(0.51)
 
 
+@pytest.mark.parametrize(
+    ("pressure", "up", "words"),
+    [
+        ("linear", 0.029, ""),
+        ("linear", 0.031, "10% of its top's depth: diffraction, radiation and linear pressure of the waves are of"),
+        ("linear", -0.031, "10% of its top's depth"),
+        ("linear", -0.33, "110% of its top's depth"),
+        ("body-nonlinear", 0.07, ""),
+        ("body-nonlinear", 0.08, "27% of its top's depth: diffraction and radiation are of"),
+        ("body-nonlinear", 0.32, "107% of its top's depth: diffraction and radiation are of"),
+    ],
+)
+def test_a_hull_under_water_that_rests_elsewhere_in_it_is_told(pressure, up, words):
+    """By its top's depth, which the waves' linear loads go with; incident waves' nonlinear pressure is of its rest."""
+    corners, faces = wetted_box()
+    deep = PanelHull.of(corners - (0, 0, 0.3), faces)
+    whole = buoy((1 - np.sign(up) * 0.5) * 1000 * deep.volume, hull=deep, stiffness=9.81 * 500 * deep.volume / abs(up))
+    alone = replace(whole, settings=replace(whole.settings, froude_krylov=pressure))
+    solved = replace(alone, settings=replace(alone.settings, diffraction=True))
+    told = [text for text in warnings(solved, np.array([up])) if "m of heave from where it is given" in text]
+    assert len(told) == bool(words) and all(words in text for text in told)
+    # Without coefficients nothing of a body-nonlinear one is of where it is given; linear pressure is.
+    in_record = "m of heave from where it is given" in simulate(alone, None).attrs.get("warnings", "")
+    assert in_record == bool(words) * (pressure == "linear")
+
+
 def test_hulls_under_water_those_that_do_not_heave_and_open_meshes_go_on():
     corners, faces = wetted_box()
     deep = PanelHull.of(corners - (0, 0, 0.3), faces)
-    moored = buoy(0.5 * 1000 * deep.volume, hull=deep, stiffness=200.0)
+    moored = buoy(0.5 * 1000 * deep.volume, hull=deep, stiffness=2000.0)
     box = PanelHull.of(corners, faces)
     heavy, hinged = buoy(1000 * box.volume * 1.4, hull=box), buoy(9.0, motion=("pitch",), cog=(0.02, 0, -0.1))
     nonlinear = buoy(5.0)

@@ -11,7 +11,7 @@ from scipy import linalg
 from scipy.interpolate import CubicSpline
 
 from solver import limits
-from solver.balance import heaved
+from solver.balance import UNDER, heaved
 from solver.coupled.histories import missed, moved
 from solver.coupled.linear import LinearModel, linear_model
 from solver.coupled.preparation import prepare
@@ -205,8 +205,8 @@ def require_stable(system: System) -> None:
         )
     if over := limits.overturned(system.scene, joints):
         raise SimulationFailed(f"{over}, where it rests in still water: check its mass and centre of gravity (cog)")
-    for f, up, share, _ in heaved(system.scene, joints):
-        if share >= 1:
+    for f, up, share, of in heaved(system.scene, joints):
+        if share >= 1 and of != UNDER:
             where = "out of the water" if up > 0 else "under water"
             raise SimulationFailed(
                 f"no static equilibrium of floats.{f.name}: it would rest at {up:+.3g} m of heave from where it is"
