@@ -30,7 +30,7 @@ from solver.record.probe import Probe, sharpest_bend
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
 from solver.record.shares import Shares
-from solver.record.starting import from_rest, left_over
+from solver.record.starting import drifting, from_rest, left_over
 from solver.record.turning import turning
 from solver.record.unknown import without_unknown
 from solver.remarks import beyond_tables, of_motions
@@ -205,6 +205,7 @@ def _run(
         *late,
         *(settling := list(recorder.settling.notes(channels))),
         *(() if settling else left_over(system, hydrodynamics)),
+        *drifting(system, hydrodynamics, recorder.settling, channels, tables),
         *from_rest(system, hydrodynamics),
         *above(scene, tables, attrs["estimated_error"], attrs["stored_energy_change"]),
         *cautions(hydrodynamics),

@@ -1,4 +1,7 @@
-"""Whether a record of one wave is periodic yet: the std of what moves in whole periods at either end of it."""
+"""Whether a record of one wave is periodic yet: the std of what moves in whole periods at either end of it.
+
+Motions' means there tell in any sea what drifts.
+"""
 
 from collections.abc import Iterator, Mapping
 
@@ -10,16 +13,21 @@ from solver.statistics import FAINT, STATISTICS, Statistics
 
 SETTLED = 0.01  # of a std: what the record's first and last periods may differ by
 PARTS = 3  # of the record, of which the first and the last are compared
+MOTIONS = "rotation", "motion"
 JUDGED = {"rotation": "rad", "motion": "", "top_displacement": "m", "bottom_stress": "Pa"}  # units, of an axis its own
 
 
 class Settling:
-    """Statistics of the first third of a record and its last, as far as they are of whole periods of a single wave."""
+    """Statistics of the first third of a record and its last, of a single wave as far as they are of whole periods."""
 
     def __init__(self, scene: Scene):
         s, met = scene.settings, scene.sea.omega[scene.sea.amplitude != 0]
         self.period = 2 * np.pi / met[0] if met.size == 1 else np.inf
-        whole = self.period * (s.duration // (PARTS * self.period)) if np.isfinite(self.period) else 0.0
+        self.mean_period = scene.sea.parameters()["Tz"]
+        self.judged = JUDGED.keys() if np.isfinite(self.period) else set(MOTIONS)
+        whole = s.duration / PARTS if met.size else 0.0
+        if np.isfinite(self.period):
+            whole = self.period * (whole // self.period)
         end = s.discard + s.duration
         self.parts = [(s.discard, s.discard + whole), (end - whole, end)] if whole else []
         self.statistics: dict[str, list[Statistics]] = {}  # of channels in each part
@@ -29,16 +37,38 @@ class Settling:
         """Take in channels (m, …) at times (m,) [s]."""
         for n, (begin, end) in enumerate(self.parts):
             inside = (times > begin) & (times <= end)
-            for name in JUDGED.keys() & channels.keys():
+            for name in self.judged & channels.keys():
                 self.shapes[name] = channels[name].shape[1:]
                 parts = self.statistics.setdefault(name, [Statistics() for _ in self.parts])
                 parts[n].add(channels[name].reshape(len(times), -1)[inside])
 
     def notes(self, channels: Channels) -> Iterator[str]:
         """A sentence for what is farthest from being periodic, if anything is, of what moves."""
+        if not np.isfinite(self.period):
+            return
         off, sentence = max(self._apart(channels), default=(0.0, ""))
         if off > SETTLED:
             yield sentence
+
+    @property
+    def parts_of_waves(self) -> float:
+        """Share of a std by which two thirds' means of a motion may differ for waves that are not whole in them.
+
+        Over n periods the mean of a cosine is |sin πn|/πn at most.
+        """
+        if np.isfinite(self.period):
+            return 0.0
+        begin, end = self.parts[0]
+        return float(2 * np.sqrt(2) / np.pi * self.mean_period / (end - begin))
+
+    def means(self) -> np.ndarray | None:
+        """Of the joints' motions in the record's first and last third (2, nb, axes); None of less than two parts."""
+        name = next((name for name in reversed(MOTIONS) if name in self.statistics), "")
+        parts = self.statistics.get(name, [])
+        if not parts or not all(part.count for part in parts):
+            return None
+        means = np.array([part.table()[:, STATISTICS.index("mean")] for part in parts])
+        return means.reshape(len(parts), self.shapes[name][0], -1)
 
     def _apart(self, channels: Channels) -> Iterator[tuple[float, str]]:
         """Of each channel by how much the stds of a number of it differ at most, of the larger, and that in words."""
@@ -49,7 +79,7 @@ class Settling:
             first, last = (part.table()[:, STATISTICS.index("std")].reshape(self.shapes[name]) for part in parts)
             largest = np.fmax(first, last)
             least = FAINT * np.nanmax(largest, initial=0.0)
-            if name in ("rotation", "motion"):
+            if name in MOTIONS:
                 least = FAINT * height / _reach(channels, name)
             off = np.nan_to_num(np.abs(first - last) / np.maximum(largest, 1e-300) * (largest > least))
             at = np.unravel_index(off.argmax(), off.shape)

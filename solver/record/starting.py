@@ -11,10 +11,11 @@ of that the ramp r(t) leaves
 
     e(t) = c exp(-(½B + iω₀)(t - t₀)),    c = -∫ exp((½B + iω₀)(s - t₀)) r'(s) z(s) ds
 
-after its end t₀, which adds ½|c|² exp(-B(t₁ - t₀)) (1 - exp(-BT))/(BT) to the variance.
+after its end t₀, which adds ½|c|² exp(-B(t₁ - t₀)) (1 - exp(-BT))/(BT) to the variance. What no stiffness holds,
+ω₀ = 0, keeps a velocity instead: a record tells how far that takes it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -25,17 +26,21 @@ from solver.coupled.system import System
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.multibody import of_axes
 from solver.record.beside import radiating, unradiated
+from solver.record.channels import Channels
 from solver.record.response import in_waves
 from solver.record.sampling import least_motion
-from solver.scene import Settings
+from solver.record.settling import Settling
+from solver.scene import Settings, unit_along
 from solver.sea.realization import ramp
-from solver.statistics import FAINT
+from solver.statistics import FAINT, STATISTICS, of_joints
 
 LACKS = 0.05  # of a std: what is said
 WELL = 0.01  # of it: what the discard leaves that is told
 LEFT = 0.01  # of a std: what is said of the start's own swinging
+DRIFTS = 0.1  # of a std, by which the mean of what nothing holds goes on between a record's first and last third
 LONG = 10.0  # times 1/B: after that nothing is left of it
-SHARED = 0.1  # of what a shape moves most
+SHARED = 0.1  # of what a shape moves most, or of what moves an axis
+TURNS = 0.5  # rad of a shape's own swing in a run: less is a drift, by next to no stiffness or by its rounding
 FAST = 4.0  # times the fastest wave's frequency: waves that set in swing nothing faster
 OFTEN = 20  # instants of a ramp, in the shortest period
 WIDTHS = 2.0  # of a resonance, B, to either side, which have 84 % of it
@@ -91,10 +96,10 @@ def _braked(system: System, shapes: np.ndarray) -> np.ndarray:
 def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     """A sentence for the shape by whose swinging on any coordinate's std is above the waves' by most, if by LEFT."""
     s, sea = system.scene.settings, system.scene.sea
-    met, modes = sea.amplitude != 0, system_modes(system, h)
-    if not (met.any() and (modes.omega > 0).any()):
+    met, held = sea.amplitude != 0, ~_loose(system, h)
+    if not (met.any() and held.any()):
         return
-    of, omega = _Begun.of(system, h, modes.omega > 0), sea.omega[met]
+    of, omega = _Begun.of(system, h, held), sea.omega[met]
     since = max(s.discard - s.ramp, 0.0)
     on = ~of.near(omega).any(axis=1) & (of.own < FAST * omega.max()) & (of.B * since < LONG)
     on &= ~_braked(system, of.shapes)
@@ -125,6 +130,37 @@ def _kicked(of: _Begun, omega: np.ndarray, q: np.ndarray, s: Settings) -> np.nda
     turning = np.exp(-1j * np.outer(at, omega))
     z = (turning @ q).real + 1j * (turning @ (-1j * omega[:, None] * q)).real / of.own
     return np.asarray(-np.sum(np.exp(np.outer(at - s.ramp, of.B / 2 + 1j * of.own)) * rise[:, None] * z, axis=0))
+
+
+def _loose(system: System, h: Hydrodynamics | None) -> np.ndarray:
+    """Which shapes (m,) nothing brings back within a run."""
+    s = system.scene.settings
+    return np.asarray(system_modes(system, h).omega * (s.discard + s.duration) < TURNS)
+
+
+def drifting(
+    system: System, h: Hydrodynamics | None, settling: Settling, channels: Channels, tables: Mapping[str, np.ndarray]
+) -> Iterator[str]:
+    """A sentence for each joint's axis that next to no stiffness holds and whose mean goes on by more than DRIFTS."""
+    scene, means, loose = system.scene, settling.means(), _loose(system, h)
+    if means is None or not loose.any():
+        return
+    joints = slice(-len(channels.names), None)
+    moves = system_modes(system, h).shapes[joints] ** 2  # by a push along each
+    std, (first, last) = (
+        of[..., channels.owner, [channels.axes.index(axis) for axis in channels.names]]
+        for of in (of_joints(tables)[..., STATISTICS.index("std")], means)
+    )
+    size = std * linear_model(system).length[joints]
+    free = moves[:, loose].sum(axis=1) > SHARED * moves.sum(axis=1)
+    free &= size > max(FAINT * size.max(), least_motion(scene))
+    for j in np.flatnonzero(free & (np.abs(last - first) > (DRIFTS + settling.parts_of_waves) * std)):
+        item, axis, unit = scene.floats[channels.owner[j]], channels.names[j], unit_along(channels.names[j])
+        yield (
+            f"floats.{item.name}: next to no stiffness holds its {axis}, which keeps what the start or a mean load"
+            f" gives it: its mean goes from {first[j]:.3g} {unit} in the record's first third to {last[j]:.3g} in its"
+            f" last, beside a std of {std[j]:.3g} that has it, too; stiffness, as of a mooring, ends it"
+        )
 
 
 def from_rest(system: System, h: Hydrodynamics | None) -> Iterator[str]:

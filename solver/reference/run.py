@@ -37,7 +37,7 @@ from solver.record.elements import elements_effect
 from solver.record.probe import PROBE, add_halved, against_half, ends_error, probed
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
-from solver.record.starting import from_rest
+from solver.record.starting import drifting, from_rest
 from solver.record.turning import turning
 from solver.reference import axes as joint_axes
 from solver.reference.augmented import (
@@ -149,6 +149,7 @@ def simulate_reference(
         *turning(case.system, channels, tables),
         *late,
         *recorder.settling.notes(channels),
+        *drifting(case.system, hydrodynamics, recorder.settling, channels, tables),
         *from_rest(case.system, hydrodynamics),
         *above(scene, tables, audited["estimated_error"], change),
         *cautions(hydrodynamics),

@@ -10,11 +10,14 @@ from pytest import approx
 from solver.coupled.preparation import prepare
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.record import starting
-from solver.record.starting import from_rest, left_over
+from solver.record.channels import Channels
+from solver.record.settling import Settling
+from solver.record.starting import drifting, from_rest, left_over
+from solver.reference.run import simulate_reference
 from solver.run import simulate
 from solver.scene import EndStops, Float
 from solver.sea.realization import CALM, components, regular
-from solver.statistics import STATISTICS
+from solver.statistics import STATISTICS, moments
 from tests.awkward import RHO, bare_legs, known, scene, sea
 
 
@@ -138,3 +141,56 @@ def test_a_shape_that_moves_by_rounding_alone_lacks_nothing():
     yawing = replace(item.floats[0], motion=("yaw",), stiffness=(5e3,), damping=(60.0,), quadratic_damping=(0.0,))
     item = replace(item, floats=(yawing,))
     assert not notes(item, known(item, 0.4, 2.5, 10))
+
+
+@pytest.mark.parametrize(
+    ("waves", "run"),
+    [((0.75,), simulate), ((0.7, 1.4), simulate), pytest.param((0.75,), simulate_reference, marks=pytest.mark.slow)],
+)
+def test_what_nothing_holds_goes_on_as_the_start_made_it_and_is_told(waves, run):
+    """A spar that surges and heaves; one on a spring has no such sentence, nor has still water."""
+    item, _ = spar(20.0)
+    few = components(amplitude=np.full(len(waves), 0.2), omega=np.array(waves), phase=np.arange(len(waves)) * 1.0)
+    surging = replace(item.floats[0], motion=("surge", "heave"), damping=(0.0, 20.0))
+    h = known(replace(item, floats=(surging,)), 0.4, 2.5, 30)
+    told = []
+    for stiffness, sea_ in ((0.0, few), (3e3, few), (0.0, CALM)):
+        record = run(replace(item, floats=(replace(surging, stiffness=(stiffness, 0.0)),), sea=sea_), h)
+        told.append([text for text in record.attrs.get("warnings", "").split("; ") if "no stiffness holds" in text])
+        if told == [told[-1]]:
+            mean, std = record.variables["motion"][1][0, 0, [STATISTICS.index(name) for name in ("mean", "std")]]
+    assert [len(texts) for texts in told] == [1, 0, 0]
+    text = told[0][0]
+    first, last = (float(text.split(words)[1].split()[0]) for words in ("goes from", "third to"))
+    assert text.startswith("floats.spar: next to no stiffness holds its surge, which keeps")
+    assert (first + last) / 2 == approx(mean, rel=0.03) and f"beside a std of {std:.3g} that" in text
+
+
+@pytest.mark.parametrize("axis", ["surge", "sway", "yaw"])
+def test_a_tenth_of_a_std_between_thirds_is_told_of_any_axis_that_nothing_holds(axis):
+    """Besides what waves make of parts' means in a sea of several; not of one that hardly moves, nor that is held."""
+    item, _ = spar(20.0)
+    motion = tuple(dict.fromkeys((axis, "heave", "yaw")))
+    item = replace(item, floats=(replace(item.floats[0], motion=motion, damping=(20.0,) * len(motion)),))
+    one, two = (components(amplitude=[0.2, more], omega=[0.7, 1.4], phase=[0.0, 0.0]) for more in (0.0, 0.2))
+
+    def axes(waves, share, size=1.0, of=0):
+        """Told, of positions of which one drifts by so much of the std of all its motion."""
+        bare = replace(item.settings, radiation=False, diffraction=False, froude_krylov="body-nonlinear")
+        whole = replace(item, sea=waves, settings=bare)
+        system, channels, settling = prepare(whole, None), Channels(whole, None), Settling(whole)
+        t = np.arange(0.0, 330.0, 0.05)
+        z = 0.1 * np.cos(0.7 * t)[:, None] * np.ones(len(motion))
+        z[:, of] += share * 0.0707 * 1.5 * t / 300
+        z[:, 0] *= size
+        settling.add(t, dict(channels.motions(z)))
+        table = moments(z[t > 30]).reshape(1, len(motion), 5)
+        return list(drifting(system, None, settling, channels, {"motion": table}))
+
+    assert axes(one, 0.09) == [] and len(axes(one, 0.12)) == 1 and len(axes(one, -0.12)) == 1
+    assert axes(two, 0.12) == [] and len(axes(two, 0.2)) == 1
+    assert axes(one, 0.12, size=1e-9) == [] and axes(one, 0.12, of=1) == []
+    (text,) = axes(one, 1.0)
+    assert text.startswith(f"floats.spar: next to no stiffness holds its {axis},") and (" rad in" in text) == (
+        axis == "yaw"
+    )
