@@ -72,7 +72,8 @@ def _first(names: list[str]) -> str:
 
 def unloaded(frame: Frame, *, waves: bool, current: bool) -> Iterator[str]:
     """Sentences for members below still water that neither waves nor a current load."""
-    wet = [m for m in frame.members if m.section.diameter > 0 and frame.ends(m)[:, 2].min() < 0]
+    tubes = ((m, frame.ends(m)[:, 2]) for m in frame.members if m.section.diameter > 0)
+    wet = [m for m, z in tubes if z.min() < 0 and z.max() > frame.seabed]
     spared = [m.name for m in wet if not m.in_water]
     if (waves or current) and spared:
         which = "all that is in water is" if len(spared) == len(wet) else "in water"

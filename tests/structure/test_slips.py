@@ -9,9 +9,12 @@ from solver.errors import InputError
 from solver.oddities import warnings
 from solver.sea.current import Current
 from solver.sea.realization import CALM
+from solver.structure.frame import Frame
+from solver.structure.in_water import unloaded
 from solver.structure.load_history import LoadHistory
-from solver.structure.members import MarineGrowth, PointLoad
+from solver.structure.members import MarineGrowth, Member, PointLoad
 from solver.structure.sections import general, tube
+from solver.structure.soil import Soil, SoilSpring
 from tests.awkward import bare_legs
 
 
@@ -117,6 +120,23 @@ def test_members_that_no_wave_loads_are_told(bare, current, sentence):
     texts = [text for text in warnings(item) if "pass through it" in text or text.startswith("current:")]
     assert [text.startswith(sentence) for text in texts] == [True] if sentence else not texts
     assert not [text for text in warnings(replace(item, sea=CALM, current=None)) if "pass through it" in text]
+
+
+@pytest.mark.parametrize(("loaded", "sentences"), [("leg", []), ("pile", ["current: no member in water"])])
+def test_a_pile_in_the_soil_is_no_member_in_water(loaded, sentences):
+    """Nothing is missed of one without coefficients, and those of one load nothing."""
+    shared = {"section": tube(1.5, 0.03), "material": made_of()[0].material, "elements": 1}
+    pile, leg = (
+        Member(name=name, start=start, end=end, drag_coefficient=float(name == loaded), **shared)
+        for name, start, end in (("pile", "tip", "bed"), ("leg", "bed", "top"))
+    )
+    frame = Frame(
+        nodes={"tip": (0.0, 0.0, -45.0), "bed": (0.0, 0.0, -20.0), "top": (0.0, 0.0, 8.0)},
+        members=(pile, replace(leg, inertia_coefficient=2.0)),
+        foundation={"tip": (0.0, 0.0, 1e8, 0.0, 0.0, 1e8)},
+        soil=Soil(seabed=-20.0, springs=(SoilSpring(depth=0.0, lateral=2e7),)),
+    )
+    assert [text[:27] for text in unloaded(frame, waves=True, current=True)] == sentences
 
 
 def test_a_current_that_nothing_drags_on_is_told():
