@@ -46,7 +46,7 @@ VARIABLES = {
     "pto_rate": Meaning("{axis} s-1", "Rate of each free axis, at which the power take-off works"),
     "pto_stroke": Meaning("{axis}", "Farthest way of an axis from one end to the other in the analysed time"),
     "pto_travel": Meaning("{axis} h-1", "Way of an axis to and fro, an hour"),
-    "latched": Meaning("1", "Whether the axis is held by its latch or brake; the mean is the share of the time"),
+    "latched": Meaning("1", "Whether the axis is held by its latch; the mean is the share of the time"),
     "declutched": Meaning("1", "Whether the power take-off has let go of the axis; the mean is the share of the time"),
     "hinge_force": Meaning("N", "Force of the hinge on the float"),
     "line_tension": Meaning("N", "Tension of the mooring line at its fairlead, where the float is: quasi-static"),

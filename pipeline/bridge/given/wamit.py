@@ -215,7 +215,9 @@ def _found(text: str, pattern: str) -> str:
 
 def _period(line: str) -> float:
     """Of a line such as "(sec) = 3.1E+00 ..."; words stand for the limits."""
-    word = line.partition("=")[2].split()[0]
+    if not (words := line.partition("=")[2].split()):
+        raise ValueError("a wave period has no number: is the file cut off?")
+    word = words[0]
     return {"infinite": ZERO, "zero": INFINITE}.get(word) if word[0].isalpha() else float(word)  # type: ignore[return-value]
 
 
