@@ -784,7 +784,7 @@ def test_rows_that_added_mass_lacks_are_not_taken_for_none(ours, study, tmp_path
      ("a.3", b"", "is not readable as .3: .3 has no rows of numbers"),
      ("a.txt", b"1 2 3", "must end in one of .nc, .h5, "),
      ("a.out", b"Gravity: 9.81", "has no line with"),
-     ("a.out", b"Gravity: 9.81 Length scale: 1 Water depth: 9\n Wave period (sec", "period has no number: is the file cut"),
+     ("a.out", b"Gravity: 9.81 Length scale: 1 Water depth: 9\n Wave period (sec", "has no number: is the file cut"),
      ("a.1", b"1.0 1 1 2.0 3.0\n1.0 2 x", "line 2 is no row of numbers"),
      ("a.h5", b"\x89HDF", "is not readable as .h5: is neither netCDF nor HDF5, or not the whole of it")],
 )  # fmt: skip
