@@ -9,7 +9,7 @@ import numpy as np
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.mooring import line_pulls, odd_lines
-from solver.scene import DOFS, Float, Scene, Water, load_unit_along, unlisted
+from solver.scene import DOFS, Float, Scene, Water, load_unit_along, poses, unlisted
 
 KNOWN = 64  # floats that a process keeps
 LEVEL = 1e-9  # next to nothing, of a direction or of the hull's size
@@ -205,25 +205,24 @@ def _least(item: Float, name: str, buoyancy: float, floats: Sequence[Float]) -> 
 
 
 def heaved(scene: Scene, joints: np.ndarray) -> Iterator[tuple[Float, float, float, str]]:
-    """Floats with how far [m] each rests above where it is given, by its own heave and that of what carries it, and how
-    much that is of its draft, or where it sinks of its freeboard; of one that is given under water how much of its
-    top's depth, or how much of its height it has out of the water.
+    """Floats with how far [m] each rests above where it is given, and how much that is of its draft, or where one of
+    linear buoyancy sinks of its freeboard, if that is more; of one that is given under water how much of its top's
+    depth, or how much of its height it has out of the water.
 
-    joints (nj,): at rest. Of meshes that end at still water none knows the freeboard. Nonlinear buoyancy goes with what
-    pierces the surface: of such floats those alone are told that are given under it.
+    joints (nj,): at rest. Of meshes that end at still water none knows the freeboard.
     """
-    rise, at = {"": 0.0}, iter(joints)
-    for item, nonlinear in zip(scene.floats, scene.nonlinear, strict=True):
-        own = [next(at) for _ in item.motion]
-        rise[item.name] = rise[item.on] + sum(y for name, y in zip(item.motion, own, strict=True) if name == "heave")
-        up, hull = float(rise[item.name]), item.hull
+    at = poses(scene.floats, scene.carriers, joints)
+    for item, nonlinear, (_, place) in zip(scene.floats, scene.nonlinear, at, strict=True):
+        up, hull = float(place[2] - item.centre[2]), item.hull
         above = hull.freeboard if hull.closed and abs(hull.freeboard) > FLUSH * hull.draft else np.inf
         if above < 0 and (nonlinear or up < -above):
             yield item, up, -abs(up) / above, UNDER
         elif above < 0:
             yield item, up, (up + above) / (hull.draft + above), OUT
-        elif not nonlinear:
-            yield item, up, *((up / hull.draft, "draft") if up > 0 else (-up / above, "freeboard"))
+        elif -up / above > min(abs(up) / hull.draft, 1.0) and not nonlinear:
+            yield item, up, -up / above, "freeboard"
+        else:
+            yield item, up, abs(up) / hull.draft, "draft"
 
 
 def balanced(floats: Sequence[Float], water: Water, sought: Sequence[Collection[str]]) -> tuple[Float, ...]:

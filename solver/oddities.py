@@ -14,8 +14,7 @@ from solver.sea.field import wave_field
 from solver.structure.frame import Frame
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
-HEAVED = 0.25  # of its draft or freeboard, by which it may rest higher or deeper
-DEEPER = 0.1  # of the depth of its top, under water: linear waves' loads are off by 8 % there
+HEAVED = 0.1  # of its draft, freeboard or top's depth, by which it may rest higher or deeper: motions err by 10 % there
 WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
 LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m
@@ -248,21 +247,16 @@ def _turned(scene: Scene, joints: np.ndarray) -> Iterator[str]:
 
 
 def _risen(scene: Scene, joints: np.ndarray) -> Iterator[str]:
-    """A sentence for each float that rests, at joints (nj,), far above or below where its loads are of.
-
-    Under water the incident waves' pressure on a body-nonlinear one is of where it rests: it errs a third as much.
-    """
-    s, nonlinear = scene.settings, dict(zip(scene.floats, scene.nonlinear, strict=True))
-    for f, up, share, of in heaved(scene, joints):
-        loads, most = "diffraction, radiation and linear buoyancy", HEAVED
-        if of == UNDER and not nonlinear[f]:
-            loads, most = "diffraction, radiation and linear pressure of the waves", DEEPER
-        elif of == UNDER:
-            loads, most = "diffraction and radiation", HEAVED if s.diffraction or s.radiation else np.inf
-        if share > most or of == OUT:  # whose buoyancy is that under water
+    """A sentence for each float that rests, at joints (nj,), far above or below where its loads are of."""
+    s = scene.settings
+    for (f, up, share, of), nonlinear in zip(heaved(scene, joints), scene.nonlinear, strict=True):
+        loads = "diffraction, radiation and linear " + ("pressure of the waves" if of == UNDER else "buoyancy")
+        if nonlinear:
+            loads = "diffraction and radiation" if s.diffraction or s.radiation else ""
+        if loads and (share > HEAVED or of == OUT):  # whose buoyancy is that under water
             yield (
-                f"floats.{f.name} rests at {up:+.3g} m of heave from where it is given, {share:.0%} of its {of}:"
-                f" {loads} are of its place there"
+                f"floats.{f.name} rests {abs(up):.3g} m {'above' if up > 0 else 'below'} where it is given,"
+                f" {share:.0%} of its {of}: {loads} are of its place there"
             )
 
 

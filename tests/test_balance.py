@@ -563,8 +563,8 @@ def buoy(mass, scale=1.0, hull=None, **changes):
     """A cylinder free in heave, linear, of a draft of 0.12 and a freeboard of 0.1 m times the scale."""
     usual = Revolution.vertical_cylinder(radius=0.1 * scale, draft=0.12 * scale, freeboard=0.1 * scale)
     item = Float(
-        name="buoy", hull=hull or usual, mass=mass * scale**3, hinge=(0.0, 0.0, 0.0),
-        **{"motion": ("heave",), "damping": 2.0, "inertia": (0.01 * scale**5,) * 3, **changes},
+        name="buoy", hull=hull or usual, mass=mass * scale**3,
+        **{"hinge": (0.0,) * 3, "motion": ("heave",), "damping": 2.0, "inertia": (0.01 * scale**5,) * 3, **changes},
     )  # fmt: skip
     settings = Settings(
         duration=2.0, discard=0.0, ramp=0.0, radiation=False, diffraction=False, froude_krylov="linear", time_step=0.05
@@ -595,12 +595,26 @@ def test_what_cannot_float_is_refused_and_what_hardly_does_is_told(scale, method
     assert "97% of its draft: diffraction" in told(0.1)
 
 
-@pytest.mark.parametrize(("low", "words"), [(-0.24, ""), (-0.26, "26% of its draft"), (0.26, "26% of its freeboard")])
-def test_a_float_that_rests_higher_or_deeper_by_a_quarter_is_told(low, words):
-    deeper = low * 0.1 if low > 0 else low * 0.12
-    record = simulate(buoy(1000 * np.pi * 0.1**2 * (0.12 + deeper)), None)
-    told = [text for text in record.attrs["warnings"].split("; ") if "m of heave from where it is given" in text]
-    assert len(told) == bool(words) and all(words in text for text in told)
+@pytest.mark.parametrize("pressure", ["linear", "body-nonlinear"])
+@pytest.mark.parametrize(
+    ("up", "words"),
+    [(0.011, ""), (0.013, "above where it is given, 11% of its draft"), (-0.009, ""), (-0.013, "below where it is")],
+)
+def test_a_float_that_rests_higher_or_deeper_by_a_tenth_is_told(pressure, up, words):
+    """Of its draft, or with linear buoyancy of its freeboard, where it heaves and where its arm lifts it; without
+    coefficients nothing of a body-nonlinear one is of where it is given."""
+    linear = pressure == "linear"
+    loads = "diffraction, radiation and linear buoyancy are of" if linear else "diffraction and radiation are of"
+    if words and up < 0:
+        words += " given, 13% of its freeboard" if linear else " given, 11% of its draft"
+    heaving, turning = buoy(1.0), buoy(1.0, motion=("hinge",), hinge=(-0.5, 0.0, 0.0), arm=(0.5, 0.0, 0.0))
+    for whole, joint in ((heaving, up), (turning, -np.arcsin(up / 0.5))):
+        for solved in (True, False):
+            s = replace(whole.settings, froude_krylov=pressure, diffraction=solved)
+            texts = warnings(replace(whole, settings=s), np.array([joint]))
+            told = [text for text in texts if "are of its place there" in text]
+            assert len(told) == (bool(words) and (linear or solved))
+            assert all(words in text and loads in text for text in told)
 
 
 def test_what_is_carried_sinks_with_what_carries_it():
@@ -611,6 +625,9 @@ def test_what_is_carried_sinks_with_what_carries_it():
     low = replace(item, name="low", on="buoy", motion=(), damping=(), hinge=(1.0, 0.0, 0.0), mass=3.8)
     with pytest.raises(SimulationFailed, match=r"no static equilibrium of floats\.low"):
         simulate(replace(whole, floats=(tall, low)), None)
+    alone = replace(tall, mass=1.01 * 1000 * tall.hull.volume)  # by more of its draft than of its freeboard
+    with pytest.raises(SimulationFailed, match=r"no static equilibrium of floats\.buoy: .* whole hull under water"):
+        simulate(replace(whole, floats=(alone,)), None)
 
 
 def test_a_hull_under_water_that_comes_out_of_it_at_rest_is_told_and_one_wholly_out_is_refused():
@@ -622,8 +639,10 @@ def test_a_hull_under_water_that_comes_out_of_it_at_rest_is_told_and_one_wholly_
         return simulate(buoy(0.5 * 1000 * deep.volume, hull=deep, stiffness=spring), None).attrs.get("warnings", "")
 
     assert "97% of its top's depth" in told(0.29)
-    assert "rests at +0.32 m of heave from where it is given, 10% of its height out of the water" in told(0.32)
-    with pytest.raises(SimulationFailed, match=r"would rest at \+0\.51 m of heave .* its whole hull out of the water"):
+    assert "rests 0.32 m above where it is given, 10% of its height out of the water" in told(0.32)
+    with pytest.raises(
+        SimulationFailed, match=r"would rest 0\.51 m above where it is given, its whole hull out of the water"
+    ):
         told(0.51)
 
 
@@ -634,22 +653,22 @@ def test_a_hull_under_water_that_comes_out_of_it_at_rest_is_told_and_one_wholly_
         ("linear", 0.031, "10% of its top's depth: diffraction, radiation and linear pressure of the waves are of"),
         ("linear", -0.031, "10% of its top's depth"),
         ("linear", -0.33, "110% of its top's depth"),
-        ("body-nonlinear", 0.07, ""),
-        ("body-nonlinear", 0.08, "27% of its top's depth: diffraction and radiation are of"),
+        ("body-nonlinear", 0.029, ""),
+        ("body-nonlinear", 0.031, "10% of its top's depth: diffraction and radiation are of"),
         ("body-nonlinear", 0.32, "107% of its top's depth: diffraction and radiation are of"),
     ],
 )
 def test_a_hull_under_water_that_rests_elsewhere_in_it_is_told(pressure, up, words):
-    """By its top's depth, which the waves' linear loads go with; incident waves' nonlinear pressure is of its rest."""
+    """By its top's depth; incident waves' nonlinear pressure is of its rest."""
     corners, faces = wetted_box()
     deep = PanelHull.of(corners - (0, 0, 0.3), faces)
     whole = buoy((1 - np.sign(up) * 0.5) * 1000 * deep.volume, hull=deep, stiffness=9.81 * 500 * deep.volume / abs(up))
     alone = replace(whole, settings=replace(whole.settings, froude_krylov=pressure))
     solved = replace(alone, settings=replace(alone.settings, diffraction=True))
-    told = [text for text in warnings(solved, np.array([up])) if "m of heave from where it is given" in text]
+    told = [text for text in warnings(solved, np.array([up])) if "are of its place there" in text]
     assert len(told) == bool(words) and all(words in text for text in told)
     # Without coefficients nothing of a body-nonlinear one is of where it is given; linear pressure is.
-    in_record = "m of heave from where it is given" in simulate(alone, None).attrs.get("warnings", "")
+    in_record = "are of its place there" in simulate(alone, None).attrs.get("warnings", "")
     assert in_record == bool(words) * (pressure == "linear")
 
 
@@ -658,12 +677,13 @@ def test_hulls_under_water_those_that_do_not_heave_and_open_meshes_go_on():
     deep = PanelHull.of(corners - (0, 0, 0.3), faces)
     moored = buoy(0.5 * 1000 * deep.volume, hull=deep, stiffness=2000.0)
     box = PanelHull.of(corners, faces)
-    heavy, hinged = buoy(1000 * box.volume * 1.4, hull=box), buoy(9.0, motion=("pitch",), cog=(0.02, 0, -0.1))
+    hinged = buoy(9.0, motion=("pitch",), cog=(0.02, 0, -0.1))
     nonlinear = buoy(5.0)
     nonlinear = replace(nonlinear, settings=replace(nonlinear.settings, froude_krylov="body-nonlinear"))
-    for whole in (moored, heavy, hinged, nonlinear):
-        assert "m of heave from where it is given" not in simulate(whole, None).attrs.get("warnings", "")
-    assert "50% of its draft" in simulate(buoy(1000 * box.volume * 0.5, hull=box), None).attrs["warnings"]
+    for whole in (moored, hinged, nonlinear):
+        assert "are of its place there" not in simulate(whole, None).attrs.get("warnings", "")
+    for share, words in ((0.5, "above where it is given, 50% of its draft"), (1.4, "40% of its draft")):
+        assert words in simulate(buoy(1000 * box.volume * share, hull=box), None).attrs["warnings"]
 
 
 def wetted_box():

@@ -205,13 +205,13 @@ def require_stable(system: System) -> None:
         )
     if over := limits.overturned(system.scene, joints):
         raise SimulationFailed(f"{over}, where it rests in still water: check its mass and centre of gravity (cog)")
-    for f, up, share, of in heaved(system.scene, joints):
-        if share >= 1 and of != UNDER:
-            where = "out of the water" if up > 0 else "under water"
+    for (f, up, share, of), nonlinear in zip(heaved(system.scene, joints), system.scene.nonlinear, strict=True):
+        if share >= 1 and of != UNDER and (up > 0 or of != "draft") and not nonlinear:
+            way, where = ("above", "out of the water") if up > 0 else ("below", "under water")
             raise SimulationFailed(
-                f"no static equilibrium of floats.{f.name}: it would rest at {up:+.3g} m of heave from where it is"
-                f" given, its whole hull {where}, which linear buoyancy does not tell: check its mass, {f.mass:g} kg"
-                f" with {system.scene.water.density * f.hull.volume:g} kg displaced, and what else it bears"
+                f"no static equilibrium of floats.{f.name}: it would rest {abs(up):.3g} m {way} where it is given, its"
+                f" whole hull {where}, which linear buoyancy does not tell: check its mass, {f.mass:g} kg with"
+                f" {system.scene.water.density * f.hull.volume:g} kg displaced, and what else it bears"
             )
     sizes = linear_model(system).length[system.structure.omega.size :]
     if not sizes.size:
