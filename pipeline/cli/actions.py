@@ -239,9 +239,10 @@ def answer(study: Study, path: Path, between: str) -> Path:
             pair = answers.pair_of(data, between)
         except ValueError as error:
             raise StudyError(study.path, [f"--between = {between}: {error}"]) from None
-        for table in (*report.answers(data), answers.table(found := answers.answers(data, pair))):
-            show(table, out)
         written = path.with_name("answers.nc")
+        for table in report.answers(data):
+            show(table, out)
+        show(answers.table(found := answers.answers(data, pair)), out, written.name)
         with appearing(written) as part:
             to_file(part, answers.variables(found), found.attrs)
     return written

@@ -306,8 +306,8 @@ def marked(found: np.ndarray, error: Any, scale: float) -> list[str]:
     return [value + MARK * bool(error > found[2] - found[0]), *ends]
 
 
-def show(table: Table, console: Console) -> None:
-    """The table, if it has lines; a narrow terminal wraps them."""
+def show(table: Table, console: Console, whole: str = "report.html") -> None:
+    """The table, if it has lines; a narrow terminal wraps them. whole: the file that has all of a long one."""
     if not table.lines:
         return
     widths = [max(map(len, column)) for column in zip(table.header, *table.lines, strict=True)]
@@ -317,5 +317,5 @@ def show(table: Table, console: Console) -> None:
         row = [word.ljust(n) if i < WORDS else word.rjust(n) for i, (word, n) in columns]
         console.print("  ".join(row), soft_wrap=True, highlight=False, markup=False)
     if (more := len(table.lines) - ROWS) > 0:
-        console.print(f"  ... and {more:,} more, in report.html", highlight=False, markup=False)
+        console.print(f"  ... and {more:,} more, in {whole}", highlight=False, markup=False)
     console.print(f"  {table.note}", soft_wrap=True, highlight=False, markup=False)

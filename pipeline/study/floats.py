@@ -81,7 +81,8 @@ class Float(Table):
     hull: Annotated[Hull, "Shape of the float"]
     mass: Annotated[
         FoundMass,
-        'Mass of the float; "balance": what it displaces, less what the floats that it carries weigh in water',
+        'Mass of the float; "balance": what it displaces, less what the floats that it carries weigh in water, and'
+        " other constant loads along heave",
     ]
     cog: Annotated[
         tuple[FoundPlace, FoundPlace, Number],

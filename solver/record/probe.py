@@ -35,6 +35,7 @@ PROBE = 600  # usual steps of a scene: length of the run with half the step
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
 NEXT = 1e-6  # of the time between samples, that a time counts as the next one's
 NEARLY = 1e-3  # of a record, that is no whole number of periods or samples
+RESTS = 1e-9  # of g: what is pushed by less
 FAR = 2e-5  # of what stations may leave out unseen
 UNTOLD = 1.0  # an error that no run tells
 MOTIONS = ("rotation", "motion", "top_displacement", "node_displacement")
@@ -375,7 +376,8 @@ def quadrature_error(system: System, probe: Probe) -> float:
     usual, exact = (moments((load - exact.mean(axis=0))[:, joints]) for load in (usual, exact))
     least, model = system.newton_tolerance * np.abs(np.diag(system.stiffness))[joints], linear_model(system)
     pushed = (model.length / np.diag(model.mass))[system.structure.omega.size :] * exact[:, -1]  # [m/s²]
-    used = (exact[:, -1] > least) & (pushed > FAINT * pushed.max(initial=0.0))
+    # What next to nothing pushes rests: rounding, where no spring says how much of it there is.
+    used = (exact[:, -1] > least) & (pushed > max(FAINT * pushed.max(initial=0.0), RESTS * system.scene.water.gravity))
     return max((apart(a, b) for a, b in zip(usual[used], exact[used], strict=True)), default=0.0)
 
 

@@ -20,7 +20,7 @@ from solver.record.refit import prepared
 from solver.record.sampling import least_force
 from solver.run import simulate
 from solver.scene import MOST_PANELS, PANELS, EndStops, Float, Water, panels_for, two_digits
-from solver.sea.realization import Realization, regular
+from solver.sea.realization import CALM, Realization, regular
 from solver.statistics import FAINT, apart
 from solver.structure.load_history import LoadHistory
 from tests.awkward import SCENES, known, model_scale, raking, sea, unequal_legs
@@ -370,6 +370,15 @@ def test_floats_that_rest_have_no_quadrature_to_judge():
         assert simulate(replace(item, floats=floats)).attrs["quadrature_error"] == 0
     alone, both = (simulate(replace(item, floats=x)).attrs["quadrature_error"] for x in ((moved,), (moved, rests)))
     assert 0 < both == approx(alone, rel=1e-3)
+
+
+def test_a_float_that_rests_unheld_in_still_water_has_no_quadrature_to_judge():
+    """Along an axis without stiffness no load is small beside that; of a float that is let go there is one to judge."""
+    item = oblique_hull_in_head_seas()[0]
+    free = replace(item.floats[0], motion=("surge", "sway", "heave"), stiffness=(0.0, 0.0, 0.0), damping=0.0)
+    calm = awkward_scene([free], waves=CALM, radiation=False, diffraction=False)
+    assert simulate(calm).attrs["quadrature_error"] == 0
+    assert 0 < simulate(replace(calm, floats=(replace(free, offset=(0.0, 0.0, 0.05)),))).attrs["quadrature_error"] < 0.1
 
 
 def test_what_nothing_pushes_or_holds_has_no_quadrature_to_judge():

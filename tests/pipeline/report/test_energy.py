@@ -222,12 +222,12 @@ def test_the_sum_is_unknown_where_a_floats_number_is():
 
 
 def test_a_terminal_shows_the_first_rows_of_many():
-    """And says how many there are in the report."""
-    console = Console(width=100)
-    with console.capture() as drawn:
-        show(
-            Table("Energy", ("design", "float", "of"), [(str(i), "a", "b") for i in range(ROWS + 1200)], "note"),
-            console,
-        )
-    lines = drawn.get().splitlines()
-    assert len(lines) == ROWS + 4 and lines[-2].strip() == "... and 1,200 more, in report.html" and "note" in lines[-1]
+    """And says how many there are in the report, or another file."""
+    table = Table("Energy", ("design", "float", "of"), [(str(i), "a", "b") for i in range(ROWS + 1200)], "note")
+    for file in ([], ["answers.nc"]):
+        console = Console(width=100)
+        with console.capture() as drawn:
+            show(table, console, *file)
+        lines = drawn.get().splitlines()
+        told = f"... and 1,200 more, in {file[0] if file else 'report.html'}"
+        assert len(lines) == ROWS + 4 and lines[-2].strip() == told and "note" in lines[-1]
