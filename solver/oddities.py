@@ -14,7 +14,8 @@ from solver.sea.field import wave_field
 from solver.structure.frame import Frame
 
 TURNED = 0.2  # [rad] that a float may rest from where it is given
-HEAVED = 0.1  # of its draft, freeboard or top's depth, by which it may rest higher or deeper: motions err by 10 % there
+# Of its draft, freeboard or top's depth, by which it may rest higher or deeper: in short waves motions err by as much.
+HEAVED = 0.1
 WATERS = 900.0, 1300.0  # [kg/m3]: less is no water, nor is more, the Dead Sea's is 1240
 FASTEST = 12.0  # [m/s]: no tide runs faster, Saltstraumen's has 11
 LARGEST = 500.0  # [m]: no hull is longer, the longest ship has 458 m

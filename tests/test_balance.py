@@ -14,7 +14,8 @@ from solver.mooring import Line, Mooring, line_pulls
 from solver.oddities import warnings
 from solver.run import simulate
 from solver.scene import EndStops, Float, Scene, Settings, Water
-from solver.sea.realization import CALM, measured
+from solver.sea.realization import CALM, measured, regular
+from solver.statistics import STATISTICS
 from tests.awkward import sea
 from tests.hydrodynamics.shapes import fine_box
 
@@ -617,6 +618,20 @@ def test_a_float_that_rests_higher_or_deeper_by_a_tenth_is_told(pressure, up, wo
             assert all(words in text and loads in text for text in told)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("period", "low", "high"), [(4.0, 0.08, 0.14), (6.0, 0.005, 0.04)])
+def test_a_sphere_given_a_tenth_of_its_draft_too_deep_errs_in_short_waves(period, low, high):
+    """Body-nonlinear: its diffraction and radiation are of a draft of 5 m, and it rests at 4.5."""
+    at_rest = Revolution.sphere(radius=5.0, draft=4.5)
+    settings = Settings(duration=60.0, discard=180.0, ramp=40.0)
+    std = []
+    for hull in (SPHERE, at_rest):
+        item = replace(ball(mass=1000 * np.pi * 4.5**2 * (15 - 4.5) / 3, pto_damping=1e5), hull=hull)
+        whole = Scene(water=DEEP, sea=regular(height=0.2, period=period), floats=(item,), settings=settings)
+        std.append(simulate(whole).variables["motion"][1][0, 0, STATISTICS.index("std")])
+    assert low < std[0] / std[1] - 1 < high
+
+
 def test_what_is_carried_sinks_with_what_carries_it():
     """A hull fixed to another one, which alone is heavy."""
     whole = buoy(5.0)
@@ -625,7 +640,7 @@ def test_what_is_carried_sinks_with_what_carries_it():
     low = replace(item, name="low", on="buoy", motion=(), damping=(), hinge=(1.0, 0.0, 0.0), mass=3.8)
     with pytest.raises(SimulationFailed, match=r"no static equilibrium of floats\.low"):
         simulate(replace(whole, floats=(tall, low)), None)
-    alone = replace(tall, mass=1.01 * 1000 * tall.hull.volume)  # by more of its draft than of its freeboard
+    alone = replace(tall, mass=1.01 * 1000 * np.pi * 0.1**2 * 0.62)  # by more of its draft than of its freeboard
     with pytest.raises(SimulationFailed, match=r"no static equilibrium of floats\.buoy: .* whole hull under water"):
         simulate(replace(whole, floats=(alone,)), None)
 
