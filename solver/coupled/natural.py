@@ -207,7 +207,8 @@ def require_stable(system: System) -> None:
         raise SimulationFailed(f"{over}, where it rests in still water: check its mass and centre of gravity (cog)")
     heaves: set[str] = set()
     for (f, up, share, of), nonlinear in zip(heaved(system.scene, joints), system.scene.nonlinear, strict=True):
-        heaves |= {f.name} if "heave" in f.motion or f.on in heaves else set()
+        if "heave" in f.motion or f.on in heaves:
+            heaves.add(f.name)
         whole = share >= 1 and of != UNDER and (up > 0 or of != "draft")
         if whole and f.name in heaves and not nonlinear:
             way, where = ("above", "out of the water") if up > 0 else ("below", "under water")

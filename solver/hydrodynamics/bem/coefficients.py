@@ -140,8 +140,7 @@ class Hydrodynamics:
         """
         if self.error is None:
             return 0.0
-        arm = np.cbrt(self.displaced_mass / self.density)[:, None] ** [dof in DOFS[3:] for dof in self.dofs]
-        force = 1 / arm.ravel()
+        force = 1 / self._lengths
         sizes = {"added_mass_inf": (both := force[:, None] * force), "added_mass": both, "radiation_damping": both}
         known = {n: (e, getattr(self, n), sizes.get(n, force)) for n, e in self.error._asdict().items()}
         shares = ((np.abs(e * size).max(), np.abs(x * size).max()) for e, x, size in known.values())
@@ -215,9 +214,8 @@ class Hydrodynamics:
     @property
     def _lengths(self) -> np.ndarray:
         """By which motions compare (n,): 1 of translations, of rotations the size of the body [m]."""
-        lengths = np.repeat(np.cbrt(self.displaced_mass / self.density), len(self.dofs))
-        lengths[np.tile([DOFS.index(dof) < 3 for dof in self.dofs], len(self.centres))] = 1.0
-        return lengths
+        sizes = np.cbrt(self.displaced_mass / self.density)[:, None]
+        return np.asarray(sizes ** [dof in DOFS[3:] for dof in self.dofs]).ravel()
 
     @property
     def interacting(self) -> bool:
