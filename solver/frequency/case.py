@@ -182,6 +182,12 @@ class Case:
             return np.zeros((omega.size, *2 * (len(self.model.active),)))
         return impedance_anywhere(self.system, self.hydrodynamics, omega)
 
+    def driven(self, omega: np.ndarray, load: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """X (ne, n) by loads (ne, n) on the coordinates at any ω, with further damping (n, n), and Y (ne, na, na)."""
+        Y = self.impedance_at(omega)
+        Z = self.model.dynamic_stiffness(omega, Y) - 1j * omega[:, None, None] * damping
+        return np.linalg.solve(Z, load[..., None])[..., 0], Y
+
     def _impedance(self, h: Hydrodynamics | None) -> np.ndarray:
         """By other coefficients."""
         if h is None:

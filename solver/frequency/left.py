@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial.hermite_e import hermevander
 from scipy.fft import next_fast_len, rfft
+from scipy.linalg import eigh
 from scipy.special import factorial
 
 from solver.frequency import gaussian
@@ -25,7 +26,8 @@ ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
 GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std
 OFTEN = 16  # samples of the fastest's period
 PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
-EVEN, EACH = 60, 24  # frequencies below the waves, by their logarithms, and more of them about any resonance
+# Frequencies below the waves, and from there to above them, by their logarithms, and more of them about any resonance.
+EVEN, ABOVE, EACH = 60, 120, 24
 
 
 def slow_motions(
@@ -58,6 +60,24 @@ def parts(low: float, high: float, even: int, own: np.ndarray, half: np.ndarray)
     near = own[:, None] + half[:, None] * np.tan(np.linspace(-1.5, 1.5, EACH))
     edges = np.union1d(np.geomspace(low, high, even), near[(near > low) & (near < high)])
     return 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+
+
+def lines(
+    case: Case, load: Load, rates: np.ndarray, damping: np.ndarray, fastest: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """ω (ne,) and lines (ne, nj) of what is left of loads at rates (nl, nj) of a sea: at each frequency as many as
+    loads, which go together as the loads do.
+
+    From below the waves to so many times their fastest, dense about resonances, with further damping (n, n).
+    """
+    model, (slowest, highest) = case.model, (case.waves.min(), fastest * case.waves.max())
+    square, shapes = eigh(model.stiffness, model.mass)
+    own = np.sqrt(square.clip(min=0.0))
+    half = np.maximum(np.sum(shapes * ((model.damping + damping) @ shapes), axis=0) / 2, NARROW * own)
+    at, width = parts(slowest / 4, highest, ABOVE, own, half)
+    square, pattern = np.linalg.eigh(spectrum(load, rates, case.omega, at, slowest, highest))
+    every = pattern * np.sqrt(2 * width[:, None] * square.clip(min=0.0))[:, None]
+    return np.repeat(at, rates.shape[1]), every.swapaxes(1, 2).reshape(-1, rates.shape[1])
 
 
 def spectrum(

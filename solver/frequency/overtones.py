@@ -4,13 +4,13 @@ A round of harmonic balance from the linear response v₁, whose load f(v₁) is
 move the joints by v = v₁ + Σ vₖ, and f(v) has another first harmonic, which changes v₁.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.linear import LinearModel
 from solver.frequency import gaussian
+from solver.frequency.bent import Load
+from solver.frequency.case import Case
 
 ORDERS = np.array([3, 5, 7])
 TURNED = np.exp(-1j * np.outer(np.append(1, ORDERS), gaussian.PHASE))  # (4, PHASES)
@@ -21,32 +21,25 @@ class Overtones(NamedTuple):
 
     force: np.ndarray  # (nj,) change of the load in the first harmonic, against the joints
     rates: np.ndarray  # (PHASES, nj) of the joints by the higher harmonics
+    omega: np.ndarray  # (ne,) of these
+    X: np.ndarray  # (ne, n)
+    Y: np.ndarray  # (ne, na, na) impedance of what radiates there
 
 
-def overtones(
-    model: LinearModel,
-    omega: float,
-    damping: np.ndarray,
-    load: Callable[[np.ndarray], np.ndarray],
-    V: np.ndarray,
-    axes: np.ndarray,
-) -> Overtones:
+def overtones(case: Case, damping: np.ndarray, load: Load, V: np.ndarray, axes: np.ndarray) -> Overtones:
     """Of joints with rates V (1, nj), which coordinates (nj,) they are, their load by rate, and all damping (n, n) that
     the model has besides its own.
-
-    Added mass at the higher frequencies is that at infinity, and nothing radiates there.
     """
-    v = gaussian.one_period(V)
+    v, omega = gaussian.one_period(V), ORDERS * case.omega[0]
     parts = TURNED.conj() @ load(v) * (2 / gaussian.PHASES)
-    w = (ORDERS * omega)[:, None, None]
-    force = np.zeros((ORDERS.size, len(model.mass), 1), complex)
-    force[:, axes, 0] = -parts[1:]
-    X = np.linalg.solve(model.stiffness - w**2 * model.mass - 1j * w * (model.damping + damping), force)
-    rates = (TURNED[1:].T @ (-1j * w * X)[:, axes, 0]).real
-    return Overtones(TURNED[0].conj() @ load(v + rates) * (2 / gaussian.PHASES) - parts[0], rates)
+    force = np.zeros((ORDERS.size, len(damping)), complex)
+    force[:, axes] = -parts[1:]
+    X, Y = case.driven(omega, force, damping)
+    rates = (TURNED[1:].T @ (-1j * omega[:, None] * X)[:, axes]).real
+    return Overtones(TURNED[0].conj() @ load(v + rates) * (2 / gaussian.PHASES) - parts[0], rates, omega, X, Y)
 
 
-def power_error(load: Callable[[np.ndarray], np.ndarray], before: np.ndarray, after: np.ndarray) -> float:
+def power_error(load: Load, before: np.ndarray, after: np.ndarray) -> float:
     """Largest relative change of mean or std of what an axis absorbs, its load by rate, at rates (PHASES, nj)."""
     was, now = (load(rates) * rates for rates in (before, after))
     pairs = np.array([[x.mean(axis=0), x.std(axis=0)] for x in (was, now)])

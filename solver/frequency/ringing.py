@@ -8,11 +8,10 @@ it is the harmonics of f.
 """
 
 import numpy as np
-from scipy.linalg import eigh
 
 from solver.frequency import gaussian, left
 from solver.frequency.bent import Load, rate_load
-from solver.frequency.case import NARROW, Case
+from solver.frequency.case import Case
 from solver.frequency.outputs import Forces, OfPlatform, rate_lines
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
@@ -20,7 +19,6 @@ from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 
 FASTEST = 40.0  # times the fastest wave's frequency, up to which modes are looked at
-EVEN = 120  # frequencies up to there, by their logarithms
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
 HARMONICS = np.arange(3, gaussian.PHASES // 4, 2)
 BY_DRAG = np.arange(2, 13)  # in a current even ones, too; of those above accelerations have a hundredth
@@ -40,7 +38,7 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlat
         omega, force = numbers * of.omega[0], _harmonics(numbers, load(gaussian.one_period(moved)))
         process = gaussian.Process(np.append(of.omega, omega), 2 * np.pi / of.omega[0], begin=0.0)
     else:
-        omega, force = _spread(case, response, load, moved)
+        omega, force = left.lines(case, load, moved, response.damping, FASTEST)
         process = gaussian.Process(np.append(of.omega, omega), of.duration, of.others + omega.size, of.begin)
     pushed = np.zeros((len(omega), len(model.mass)), complex)
     pushed[:, nm + axes] = -force
@@ -49,9 +47,7 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlat
         of_drag = _harmonics(numbers, _drag(case, response))
         pushed[:, :nm] = of_drag @ case.stations.shape.T
         borne = support.forces.whole(of_drag @ support.forces.drag) if support.forces is not None else borne
-    Y = case.impedance_at(omega)
-    Z = model.dynamic_stiffness(omega, Y) - 1j * omega[:, None, None] * response.damping
-    X = np.linalg.solve(Z, pushed[..., None])[..., 0]
+    X, Y = case.driven(omega, pushed, response.damping)
     platform = OfPlatform(
         process,
         np.concatenate([waves.X, X[:, :nm]]),
@@ -101,24 +97,6 @@ def _drag(case: Case, response: Response) -> np.ndarray:
         u = u + stations.stream
     force = frame.drag * np.linalg.norm(u, axis=1, keepdims=True) * u
     return np.asarray(force.reshape(len(u), -1))
-
-
-def _spread(case: Case, response: Response, load: Load, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same of a sea's: at each frequency as many lines as loads, which go together as the loads do."""
-    (at, width), nj = _nodes(case, response), rates.shape[1]
-    spectrum = left.spectrum(load, rates, response.omega, at, case.waves.min(), at[-1])
-    square, pattern = np.linalg.eigh(spectrum)
-    lines = pattern * np.sqrt(2 * width[:, None] * square.clip(min=0.0))[:, None]
-    return np.repeat(at, nj), lines.swapaxes(1, 2).reshape(-1, nj)
-
-
-def _nodes(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies (ne,), dense about the resonances, and what each stands for."""
-    model, far = case.model, FASTEST * case.waves.max()
-    square, shapes = eigh(model.stiffness, model.mass)
-    own = np.sqrt(square.clip(min=0.0))
-    half = np.maximum(np.sum(shapes * ((model.damping + response.damping) @ shapes), axis=0) / 2, NARROW * own)
-    return left.parts(case.waves.min() / 4, min(far, 2 * own.max()), EVEN, own, half)
 
 
 def _borne(case: Case, omega: np.ndarray, Y: np.ndarray, X: np.ndarray) -> np.ndarray:

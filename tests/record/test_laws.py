@@ -139,6 +139,18 @@ def test_a_bilinear_law_costs_no_error_and_a_scene_without_one_no_run(monkeypatc
     assert simulate(plain).attrs["law_effect"] == 0 and not made
 
 
+@pytest.mark.parametrize("period", [3.06, 3.2325, 3.2625, 3.345])
+def test_steps_pass_one_line_after_the_other_where_these_lie_close(period):
+    """Twenty lines in a step, some of them passed within an eighth of what is left of it."""
+    v = np.linspace(-2, 2, 401)
+    close = PtoTable(velocity=tuple(v.tolist()), force=tuple((1e5 * (v + v * np.abs(v))).tolist()))
+    few = heaving(regular(height=3.0, period=period), close, duration=30.0, time_step=0.3)
+    item = replace(few.floats[0], pto_table=None, damping=1e5, quadratic_damping=1e5)
+    record, exact = simulate(few), simulate(replace(few, floats=(item,)))
+    assert not record.attrs["repeated"]
+    assert apart(*(x.variables["motion"][1] for x in (record, exact))) < 2e-3
+
+
 def test_in_the_frequency_domain_too():
     few = heaving(None, law(4e4, 0.4), method="frequency", time_step=None)
     pto = few.floats[0].pto_table

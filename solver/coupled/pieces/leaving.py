@@ -62,11 +62,15 @@ def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, k
     if before > 0 and kind == PTO_ZONE and room.stage.zone[kind, i] == HELD:
         return 0.0
     for n in range(1, SCAN + 1):
-        now = _beyond(problem, state, room, h, i, kind, n / SCAN)
-        if now > 0 and before > 0 and n == 1 and now > before:
-            return 0.0
+        low, high = (n - 1) / SCAN, n / SCAN
+        now = _beyond(problem, state, room, h, i, kind, high)
+        if now > 0 and before > 0 and n == 1:  # further on, or by rounding alone before and past all of a narrow zone
+            within = _within(problem, state, room, h, i, kind, high)
+            if within > 0:
+                low, before = within, 0.0
+            elif now > before:
+                return 0.0
         if now > 0 and not before > 0:
-            low, high = (n - 1) / SCAN, n / SCAN
             for _ in range(HALVINGS):
                 middle = 0.5 * (low + high)
                 if _beyond(problem, state, room, h, i, kind, middle) > 0:
@@ -78,6 +82,16 @@ def _leaves(problem: Problem, state: State, room: Workspace, h: float, i: int, k
             return high
         before = now
     return 0.0 if before > 0 else NEVER
+
+
+@part_kernel
+def _within(problem: Problem, state: State, room: Workspace, h: float, i: int, kind: int, x: float) -> float:
+    """A share of the step, of x and halves of halves of it, at which axis i is in its zone; 0 if at none."""
+    for _ in range(HALVINGS):
+        x *= 0.5
+        if not _beyond(problem, state, room, h, i, kind, x) > 0:
+            return x
+    return 0.0
 
 
 @part_kernel
