@@ -20,7 +20,7 @@ import numpy as np
 
 from solver.frequency import gaussian
 from solver.frequency.case import Case
-from solver.frequency.outputs import OfPlatform
+from solver.frequency.outputs import Rung
 from solver.frequency.response import Response
 from solver.frequency.stations import Stations
 from solver.statistics import FAINT, STATISTICS
@@ -98,8 +98,8 @@ class _Law(NamedTuple):
         return float(OF_Z @ self(Z) ** 2)
 
 
-def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapping[str, np.ndarray]) -> Effect:
-    """platform: with all that rings; told: statistics of tops and feet."""
+def drag_effect(case: Case, response: Response, rung: Rung, told: Mapping[str, np.ndarray]) -> Effect:
+    """rung: with all that rings; told: statistics of tops and feet."""
     channels, support, waves = case.channels, case.system.support, case.waves.size
     if support is None or channels.legs is None or not case.stations.size:
         return Effect(0.0, 1.0)
@@ -115,12 +115,12 @@ def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapp
         return Effect(0.0, 1.0)
     # Of one wave drag has its harmonics among what rings; in a sea that is joints' loads alone.
     of_drag = slice(waves, None if waves == 1 else case.omega.size)
-    shaken = gaussian.share(platform.X @ tops, of_drag)
+    shaken = gaussian.share(rung.X @ tops, of_drag)
     if waves == 1:
         return Effect(UNSURE * shaken, 1.0)
     if channels.nodes:
         nodes = support.node_shapes.reshape(nm, -1)
-        accelerations = platform.process.omega[:, None] ** 2 * platform.X @ nodes
+        accelerations = rung.process.omega[:, None] ** 2 * rung.X @ nodes
         shaken = max(shaken, gaussian.share(accelerations, of_drag))
     error = UNSURE * shaken
     if not np.any(gaussian.spread(driven) ** 2 > LITTLE * std**2):
@@ -137,7 +137,7 @@ def drag_effect(case: Case, response: Response, platform: OfPlatform, told: Mapp
     extremes = _beyond_rayleigh(g, kept * driven, Q, std, mean, gaussian.peak(whole, case.process))
     if channels.steel is not None:
         first = channels.legs.first
-        level, lines = (channels.steel.compression(y)[:, first] for y in platform.frame)
+        level, lines = (channels.steel.compression(y)[:, first] for y in rung.frame)
         part = kept * channels.steel.compression(_forces_by_drag(case, response, p))[:, first]
         bending = _Bending.of(g, level[0], lines, part, Q)
         error = max(error, _apart(told["bottom_stress"][first], *bending.lacks(g)))

@@ -27,12 +27,13 @@ class Forces(NamedTuple):
     lines: np.ndarray  # (nl, ny)
 
 
-class OfPlatform(NamedTuple):
-    """How an elastic platform moves, and what it bears."""
+class Rung(NamedTuple):
+    """How an elastic platform moves, and what it and the joints bear, with what bent loads ring."""
 
     process: gaussian.Process
     X: np.ndarray  # (nl, nm) modes
     frame: Forces
+    joints: np.ndarray  # (nl, nb, 3) forces on the floats, but along axes that slide what goes with the waves alone
     extremes: float = 1.0  # of steel to be expected, over those of Gaussian lines, where they are larger
     rings: float = 0.0  # share of steel's variance by lines that no wave makes, in a sea
 
@@ -82,7 +83,7 @@ def _of_law(case: Case, axes: np.ndarray) -> np.ndarray:
     return case.system.structure.carrier.shape[0] + np.flatnonzero(axes)
 
 
-def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], tables: dict[str, np.ndarray]) -> None:
+def bend(case: Case, response: Response, law: JointLaw, known: list[Output], tables: dict[str, np.ndarray]) -> None:
     """By the whole law, and rates and motions of the shape that it makes, in place: how far and how fast axes move, and
     what they bear, `pto_force`, and along an axis that slides the joint's `hinge_force`, with all that goes by rate.
 
@@ -95,7 +96,7 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
     by_rate = response.bends | (drag(law)[nc:] > 0)
     if not by_rate.any():
         return
-    owner, of_lines = channels.owner, {name: lines for name, _, lines in linear}
+    owner, of_lines = channels.owner, {name: lines[: len(rates)] for name, _, lines in known}
     place = owner, [channels.axes.index(name) for name in channels.names]
     for name, kappa in (("pto_rate", response.excess[0]), ("motion", response.excess[1])):
         if name in tables:
@@ -122,7 +123,7 @@ def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], ta
             tables[name][at] = found
 
 
-def of_squares(case: Case, response: Response, platform: OfPlatform, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:
+def of_squares(case: Case, response: Response, rung: Rung, law: JointLaw) -> Iterator[tuple[str, np.ndarray]]:
     """Name and statistics of what no line makes."""
     scene, channels = case.system.scene, case.channels
     if channels.lines:
@@ -142,8 +143,8 @@ def of_squares(case: Case, response: Response, platform: OfPlatform, law: JointL
         if any(f.pto_efficiency for f in scene.floats):
             yield "electrical_power", np.array(list(_electrical(case, response, law, owned, powers)))
     if channels.steel is not None and channels.legs is not None:
-        level, lines = (channels.steel.compression(y)[:, channels.legs.first] for y in platform.frame)
-        of_legs = gaussian.compression_table(level[0], lines, platform.process)
+        level, lines = (channels.steel.compression(y)[:, channels.legs.first] for y in rung.frame)
+        of_legs = gaussian.compression_table(level[0], lines, rung.process)
         yield "bottom_stress", of_legs[channels.legs.twin]
 
 
@@ -164,9 +165,9 @@ def _electrical(
 
 
 def outputs(case: Case, response: Response) -> Iterator[Output]:
-    """Of all that goes with the waves but a platform's."""
+    """Of all that goes with the waves but what may ring."""
     system, channels, mean = case.system, case.channels, response.mean
-    scene, still = system.scene, case.loads_at_rest[1] + mean.wrench
+    scene = system.scene
     z = system.equilibrium[0] + case.model.shape @ mean.x
     yield ELEVATION, np.zeros(()), case.amplitude
     if scene.floats:
@@ -181,21 +182,23 @@ def outputs(case: Case, response: Response) -> Iterator[Output]:
             k = np.concatenate([f.per_axis("pto_stiffness") for f in scene.floats])
             level, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))
             yield "pto_force", level, lines
-        yield "hinge_force", channels.hinge_force(still[None])[0], channels.hinge_force(response.wrench)
         if channels.lines:
             yield "line_tension", channels.line_tension(system.bodies, z[None])[0], response.Z @ slopes(case, z)
 
 
-def platform_outputs(case: Case, response: Response, platform: OfPlatform) -> Iterator[Output]:
-    """Of a platform, that are linear."""
-    channels, frame, p = case.channels, platform.frame, case.system.equilibrium[1]
+def rung_outputs(case: Case, response: Response, rung: Rung) -> Iterator[Output]:
+    """Of joints and a platform, that are linear."""
+    channels, frame, p = case.channels, rung.frame, case.system.equilibrium[1]
+    if case.system.scene.floats:
+        still = case.loads_at_rest[1] + response.mean.wrench
+        yield "hinge_force", channels.hinge_force(still[None])[0], rung.joints
     if channels.legs is not None:
         tops = channels.legs.tops.reshape(p.size, -1)
-        means, lines = (x @ tops for x in (p + response.mean.x[: p.size], platform.X))
+        means, lines = (x @ tops for x in (p + response.mean.x[: p.size], rung.X))
         on = channels.legs.tops.shape[1:]
         yield "top_displacement", means.reshape(on), lines.reshape(-1, *on)
     if channels.nodes:
-        for name, lines in channels.accelerations(-(platform.process.omega[:, None] ** 2) * platform.X):
+        for name, lines in channels.accelerations(-(rung.process.omega[:, None] ** 2) * rung.X):
             yield name, np.zeros(()), lines
     if channels.steel is not None:
         means = dict(channels.steel.channels(frame.level))

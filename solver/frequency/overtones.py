@@ -21,9 +21,6 @@ class Overtones(NamedTuple):
 
     force: np.ndarray  # (nj,) change of the load in the first harmonic, against the joints
     rates: np.ndarray  # (PHASES, nj) of the joints by the higher harmonics
-    omega: np.ndarray  # (ne,) of these
-    X: np.ndarray  # (ne, n)
-    Y: np.ndarray  # (ne, na, na) impedance of what radiates there
 
 
 def overtones(case: Case, damping: np.ndarray, load: Load, V: np.ndarray, axes: np.ndarray) -> Overtones:
@@ -34,9 +31,9 @@ def overtones(case: Case, damping: np.ndarray, load: Load, V: np.ndarray, axes: 
     parts = TURNED.conj() @ load(v) * (2 / gaussian.PHASES)
     force = np.zeros((ORDERS.size, len(damping)), complex)
     force[:, axes] = -parts[1:]
-    X, Y = case.driven(omega, force, damping)
+    X, _ = case.driven(omega, force, damping)
     rates = (TURNED[1:].T @ (-1j * omega[:, None] * X)[:, axes]).real
-    return Overtones(TURNED[0].conj() @ load(v + rates) * (2 / gaussian.PHASES) - parts[0], rates, omega, X, Y)
+    return Overtones(TURNED[0].conj() @ load(v + rates) * (2 / gaussian.PHASES) - parts[0], rates)
 
 
 def power_error(load: Load, before: np.ndarray, after: np.ndarray) -> float:

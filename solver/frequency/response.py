@@ -17,7 +17,7 @@ from solver.lines import lengths, real_by_complex
 from solver.multibody import linearised, of_axes
 from solver.multibody.joint_law import JointLaw
 from solver.record.effects import cancelled, force_error, response_error
-from solver.scene import DOFS, Scene
+from solver.scene import Scene
 
 AGREED = 1e-5  # error of any coordinate's std, relative to itself, at which the drag is that of its own result
 HELD = 1e-6  # of the waves' amplitudes: an axis that moves less is held
@@ -25,7 +25,6 @@ LEAST = 1e-12  # of them in a second: the rate that friction is linearised by wh
 FARTHEST = 0.98  # slope of a secant
 ROUNDING = 1e-12  # change of a std that tells no more of how the next will be
 ROUNDS = 300
-FASTEST = 10.0  # times the fastest wave's frequency: of what friction leaves beyond the waves four fifths are below
 SHAPED, ALIKE = 6, 2e-3  # times that dampers are taken again for rates of the shape they have, and change of a kurtosis
 UNBOUNDED = 1e6  # times the sum of the waves' amplitudes: no damping holds what moves as far
 
@@ -235,7 +234,7 @@ def _excess(case: Case, law: JointLaw, last: _Round) -> np.ndarray:
 
 
 def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.ndarray, wrench: np.ndarray) -> float:
-    """Relative error of std, power and joints' forces by what linear damping leaves of the joints' loads by rate.
+    """Relative error of the response's std and power by what linear damping leaves of the joints' loads by rate.
 
     That goes with no rate in the mean, moves the axis as a force of the rate's spectrum about that and of its own below
     the waves, and adds to the variance of the motions: so marches tell, and they agree within a factor of 3. See
@@ -256,35 +255,10 @@ def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.nd
     size, more = (lengths(X)[:, None] for X in (last.X, case.equation.response(force, last.damping)))
     grown = np.hypot(1, np.divide(more, size, out=np.zeros(size.shape), where=size > 0))
     which = np.flatnonzero((rms[nc:] > 0) & (rest[nc:] > 0) & ~last.stuck)
-    load, rates = rate_load(law, nc + which), rate[which].T
-    slowly, slow = left.slow_motions(case, load, nm + which, rates, last.damping)
+    slowly, slow = left.slow_motions(case, rate_load(law, nc + which), nm + which, rate[which].T, last.damping)
     waves, both = np.pad(last.X, ((0, 0), (0, slowly.size))), np.concatenate([grown * last.X, slow], axis=1)
     moved = response_error(case.system, law, np.append(case.omega, slowly), both.T, waves.T)
-    moved += shape.power_error(law, rms, kappa)
-    if not which.size:
-        return moved
-    omega, lines = left.lines(case, load, rates, last.damping, FASTEST)
-    pushed = np.zeros((omega.size, len(last.X)), complex)
-    pushed[:, nm + which] = -lines
-    return max(moved, _borne_besides(case, wrench, wrench, omega, *case.driven(omega, pushed, last.damping)))
-
-
-def _borne_besides(
-    case: Case, wrench: np.ndarray, exact: np.ndarray, omega: np.ndarray, X: np.ndarray, Y: np.ndarray
-) -> float:
-    """Relative error of the joints' forces by loads on the floats (nl, nb, 6) that should be others, and by motions X
-    (ne, n) that no wave makes, where what radiates has impedance Y (ne, na, na).
-
-    Along axes that slide these are the load by rate itself, of which `outputs.bend` knows.
-    """
-    channels = case.channels
-    told, usual, besides = map(
-        channels.hinge_force, (wrench, exact, case.model.loads(omega, X, Y, np.zeros((1, 1, 1))))
-    )
-    slides = [(b, DOFS.index(name)) for b, name in zip(channels.owner, channels.names, strict=True) if name in DOFS[:3]]
-    for b, along in slides:
-        besides[:, b, along] = 0.0
-    return force_error(case.system, np.concatenate([told, np.zeros(besides.shape)]), np.concatenate([usual, besides]))
+    return moved + shape.power_error(law, rms, kappa)
 
 
 def _by_overtones(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) -> float:
@@ -299,7 +273,7 @@ def _by_overtones(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) -
     before, after = (gaussian.one_period(x[axes].T) for x in (last.rate, last.rate - 1j * case.omega * more))
     moves = response_error(case.system, law, case.omega, (last.X + more).T, last.X.T)
     exact = case.model.loads(case.omega, (last.X + more).T, case.impedance, case.excitation)
-    borne = _borne_besides(case, wrench, exact, high.omega, high.X, high.Y)
+    borne = force_error(case.system, *map(case.channels.hinge_force, (wrench, exact)))
     return max(moves, borne, overtones.power_error(pto_load(law, nc + free), before, after + high.rates))
 
 

@@ -1,4 +1,4 @@
-"""What linear damping leaves of loads that bend, on an elastic platform: lines of their own, that no wave makes.
+"""What linear damping leaves of loads that bend: lines that no wave makes, of joints' forces and an elastic platform.
 
 And, in one wave, the harmonics of the members' drag; in a sea these are lines of the case (see beyond).
 
@@ -12,11 +12,12 @@ import numpy as np
 from solver.frequency import gaussian, left
 from solver.frequency.bent import Load, rate_load
 from solver.frequency.case import Case
-from solver.frequency.outputs import Forces, OfPlatform, rate_lines
+from solver.frequency.outputs import Forces, Rung, rate_lines
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
+from solver.scene import DOFS
 
 FASTEST = 40.0  # times the fastest wave's frequency, up to which modes are looked at
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
@@ -24,13 +25,14 @@ HARMONICS = np.arange(3, gaussian.PHASES // 4, 2)
 BY_DRAG = np.arange(2, 13)  # in a current even ones, too; of those above accelerations have a hundredth
 
 
-def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlatform:
-    """What a response moves a platform by, and the frame's forces, with such lines where loads bend."""
+def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
+    """What a response moves a platform by, and the frame's and the joints' forces, with such lines where loads bend."""
     (nc, nm), of, model, support = case.system.structure.carrier.shape, case.process, case.model, case.system.support
-    waves, rates, one = OfPlatform(of, response.X[:, :nm], frame), rate_lines(case, response), case.omega.size == 1
+    channels, rates, one = case.channels, rate_lines(case, response), case.omega.size == 1
+    waves = Rung(of, response.X[:, :nm], frame, channels.hinge_force(response.wrench))
     axes = np.flatnonzero((response.bends | (drag(law)[nc:] > 0)) & ~response.stuck & rates.any(axis=0))
     dragged = one and case.stations.size > 0
-    if nm == 0 or not (axes.size or dragged):
+    if not (axes.size or dragged):
         return waves
     load, moved = rate_load(law, nc + axes), rates[:, axes]
     if one:
@@ -48,16 +50,21 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> OfPlat
         pushed[:, :nm] = of_drag @ case.stations.shape.T
         borne = support.forces.whole(of_drag @ support.forces.drag) if support.forces is not None else borne
     X, Y = case.driven(omega, pushed, response.damping)
-    platform = OfPlatform(
+    joints = channels.hinge_force(model.loads(omega, X, Y, np.zeros((1, 1, 1))))
+    for j in axes:
+        if channels.names[j] in DOFS[:3]:  # there that is the load itself: see outputs.bend
+            joints[:, channels.owner[j], DOFS.index(channels.names[j])] = 0.0
+    every = Rung(
         process,
         np.concatenate([waves.X, X[:, :nm]]),
         frame._replace(lines=np.concatenate([frame.lines, borne + _borne(case, omega, Y, X)])),
+        np.concatenate([waves.joints, joints]),
     )
     if one:
-        return platform
+        return every
     loads = np.concatenate([moved * np.diag(response.damping)[nm + axes], force])
-    extremes, rings = _beside_gaussian(case, load, moved, response.excess[0, axes], loads, platform.frame.lines)
-    return platform._replace(extremes=extremes, rings=rings)
+    extremes, rings = _beside_gaussian(case, load, moved, response.excess[0, axes], loads, every.frame.lines)
+    return every._replace(extremes=extremes, rings=rings)
 
 
 def _beside_gaussian(

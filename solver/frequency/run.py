@@ -7,28 +7,27 @@ from functools import cached_property
 import numpy as np
 
 from solver.coupled.assembly import joint_law
-from solver.frequency import drift, gaussian
+from solver.frequency import drift, gaussian, ringing
 from solver.frequency.bent import fastest
 from solver.frequency.case import Case, case_of
 from solver.frequency.catenaries import lines_effect
 from solver.frequency.drag_effect import drag_effect
 from solver.frequency.outputs import (
     Forces,
-    OfPlatform,
     Output,
+    Rung,
     bend,
     frame_forces,
     joint_lines,
     of_squares,
     outputs,
-    platform_outputs,
     rate_lines,
+    rung_outputs,
     strokes,
     tables_of,
 )
 from solver.frequency.resonance import unresolved
 from solver.frequency.response import Response, respond, respond_in
-from solver.frequency.ringing import rung
 from solver.frequency.rotation import rotation_effect, turned
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, cautions, coarser, coefficient_errors
 from solver.multibody.joint_law import JointLaw
@@ -81,7 +80,7 @@ def simulate_frequency(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Rec
         attrs,
         modes=case.modes,
         rao=of.rao() if scene.settings.rao and channels.axes else None,
-        counted=_counted(steel, of.platform, case.waves.size) if steel is not None and steel.counts else ({}, ()),
+        counted=_counted(steel, of.rung, case.waves.size) if steel is not None and steel.counts else ({}, ()),
         spectra=of.spectra() if scene.settings.spectra else None,
         further=drifting | dict(strokes(case, response)) | of.moments(),
     )
@@ -96,18 +95,18 @@ class _Solved:
     law: JointLaw
     response: Response
     frame: Forces
-    platform: OfPlatform
+    rung: Rung
     linear: list[Output]
-    of_platform: list[Output]
+    of_ringing: list[Output]
 
     @classmethod
     def of(cls, scene: Scene, case: Case) -> "_Solved":
         law = case.law(scene.floats)
         response = turned(case, respond_in(case, law))
         frame = frame_forces(case, response)
-        platform = rung(case, law, response, frame)
-        of_platform = list(platform_outputs(case, response, platform))
-        return cls(scene, case, law, response, frame, platform, list(outputs(case, response)), of_platform)
+        rung = ringing.rung(case, law, response, frame)
+        parts = list(outputs(case, response)), list(rung_outputs(case, response, rung))
+        return cls(scene, case, law, response, frame, rung, *parts)
 
     @cached_property
     def fastest(self) -> np.ndarray:
@@ -117,10 +116,10 @@ class _Solved:
     def tables(self) -> dict[str, np.ndarray]:
         """Of all outputs, in the order of STATISTICS."""
         case, response, law, scene = self.case, self.response, self.law, self.scene
-        tables = tables_of(case.process, self.linear) | tables_of(self.platform.process, self.of_platform)
-        tables |= dict(of_squares(case, response, self.platform, law))
+        tables = tables_of(case.process, self.linear) | tables_of(self.rung.process, self.of_ringing)
+        tables |= dict(of_squares(case, response, self.rung, law))
         if scene.floats:
-            bend(case, response, law, self.linear, tables)
+            bend(case, response, law, self.linear + self.of_ringing, tables)
         if response.bends.any():
             bound(tables, scene, case.channels, joint_law(scene.floats), self.fastest)
         return tables
@@ -136,7 +135,7 @@ class _Solved:
         """Of all linear outputs, in bands that `duration` resolves."""
         case, scene = self.case, self.scene
         at = bands(scene.sea.omega, scene.settings.duration)
-        parts = ((name, lines[: case.waves.size]) for name, _, lines in self.linear + self.of_platform)
+        parts = ((name, lines[: case.waves.size]) for name, _, lines in self.linear + self.of_ringing)
         return case.channels.spectra(at, case.waves, scene.sea.amplitude[case.met], parts)
 
     def moments(self) -> dict[str, Labelled]:
@@ -144,7 +143,7 @@ class _Solved:
         case, waves = self.case, self.case.waves.size
         if "moments" not in self.scene.settings.outputs:
             return {}
-        processes = (case.process, self.linear), (self.platform.process, self.of_platform)
+        processes = (case.process, self.linear), (self.rung.process, self.of_ringing)
         return case.channels.moments(
             {name: _crossed(of, lines, waves) for of, parts in processes for name, _, lines in parts}
         )
@@ -155,7 +154,7 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
     scene, case, law, response = of.scene, of.case, of.law, of.response
     h, waves = case.hydrodynamics, case.waves.size
     drag = response.drag.tops[:waves], response.mean.drag.ravel()
-    of_drag = drag_effect(case, response, of.platform, tables)
+    of_drag = drag_effect(case, response, of.rung, tables)
     turning = rotation_effect(case, law, response, of.frame, tables)
     slipping = _stopped(case, law, response) if response.stuck.any() else []
     of_lines = lines_effect(case, law, response, tables["line_tension"]) if case.channels.lines else 0.0
@@ -176,7 +175,7 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
         *_beyond_tables(of),
         *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),
-        *pulled(of.platform.extremes, of.platform.rings),
+        *pulled(of.rung.extremes, of.rung.rings),
         *([NO_BALANCE] if turning.error == UNTOLD else []),
         *unresolved(case, response),
         *slipping,
@@ -195,9 +194,9 @@ def _beyond_tables(of: _Solved) -> tuple[str, ...]:
     return tuple(beyond_tables(of.scene.floats, -ways, ways))
 
 
-def _counted(steel: Steel, platform: OfPlatform, waves: int) -> tuple[dict[str, Labelled], tuple[str, ...]]:
+def _counted(steel: Steel, rung: Rung, waves: int) -> tuple[dict[str, Labelled], tuple[str, ...]]:
     """Of a random sea's lines, or of one harmonic; else by rainflow of their sum, of many periods where it has one."""
-    of, (level, lines) = platform.process, platform.frame
+    of, (level, lines) = rung.process, rung.frame
     if of.omega.size == 1 or not of.known:
         return steel.expected(lines, of.omega)
     parts, again = [steel.ends(level + block) for block in of.blocks(lines)], CYCLES if waves == 1 else 1
