@@ -12,9 +12,11 @@ from solver.scene import Scene, unit_along
 from solver.statistics import FAINT, STATISTICS, Statistics
 
 SETTLED = 0.01  # of a std: what the record's first and last periods may differ by
+ENDS = 0.5  # and besides, of one over the number of their samples, which do not end where whole periods do
 PARTS = 3  # of the record, of which the first and the last are compared
 MOTIONS = "rotation", "motion"
-JUDGED = {"rotation": "rad", "motion": "", "top_displacement": "m", "bottom_stress": "Pa"}  # units, of an axis its own
+# Units, of an axis its own. Stress at legs' feet tells the same, with corners that samples miss by more than SETTLED.
+JUDGED = {"rotation": "rad", "motion": "", "top_displacement": "m"}
 
 
 class Settling:
@@ -71,7 +73,8 @@ class Settling:
         return means.reshape(len(parts), self.shapes[name][0], -1)
 
     def _apart(self, channels: Channels) -> Iterator[tuple[float, str]]:
-        """Of each channel by how much the stds of a number of it differ at most, of the larger, and that in words."""
+        """Of each channel by how much the stds of a number of it differ at most, of the larger, beyond what samples at
+        their ends may make, and that in words."""
         height = np.abs(channels.scene.sea.amplitude).max(initial=0.0)
         for name, parts in self.statistics.items():
             if not all(part.count for part in parts):
@@ -89,7 +92,7 @@ class Settling:
                 f" third and {last[at]:.3g} in its last: what is left of the start is in all statistics; a longer"
                 " discard takes it out"
             )
-            yield float(off[at]), sentence
+            yield float(off[at] - ENDS / min(part.count for part in parts)), sentence
 
 
 def _reach(channels: Channels, name: str) -> np.ndarray:
