@@ -140,6 +140,14 @@ def refresh(study: Study, store: Store) -> list[Path]:
     return [path] if len(study.tasks.unique) > REPORTED else [path, draw(study, path)]
 
 
+def tell_of_older(path: Path) -> None:
+    """Name what has been made of the dataset at `path` as it was before, and is not renewed by `run`."""
+    made, beside = path.stat().st_mtime_ns, [path.with_name("answers.nc"), *sorted(path.parent.glob("figures/*"))]
+    older = [str(file.relative_to(path.parent)) for file in beside if file.is_file() and file.stat().st_mtime_ns < made]
+    if older:
+        say(f"{path.parent}: made of an earlier {path.name}: {', '.join(older)}", err)
+
+
 def draw(study: Study, path: Path) -> Path:
     """The report beside the dataset at `path`, written only if its sources are others."""
     page, mark, source = path.with_name("report.html"), path.with_name(".report.json"), {"of": _drawn_from(study, path)}

@@ -146,6 +146,7 @@ def run(
         collected = Tally.of(looked(study.tasks.unique, store)).counts["done"]
         what.append(f"table of all {collected} that are done of the study's {whole}")
     say("; ".join([str(tally), *what, *map(str, paths)]))
+    actions.tell_of_older(paths[0])
     raise typer.Exit(finish(tally, study, store))
 
 
@@ -371,8 +372,10 @@ def figures(
     from pipeline.report import page
 
     study = load(study_file)
-    for path in page.write_figures(study, _up_to_date(study, results), form):
-        say(str(path))
+    path = _up_to_date(study, results)
+    for file in page.write_figures(study, path, form):
+        say(str(file))
+    actions.tell_of_older(path)
 
 
 @app.command(epilog="Exit status: 0 done, 1 the task fails, 2 bad input.")

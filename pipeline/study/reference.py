@@ -12,7 +12,7 @@ from pipeline.study.inherit import BASE
 from pipeline.study.paths import FIXED
 from pipeline.study.ranges import Range
 from pipeline.study.schema import StudyFile
-from pipeline.study.tables import LARGEST, MOST
+from pipeline.study.tables import LARGEST
 
 Node = dict[str, Any]  # a piece of JSON Schema
 DRAFT = "http://json-schema.org/draft-04/schema#"  # which editors of TOML know
@@ -174,7 +174,7 @@ def values(node: Node) -> str:
 
 def _numbers(node: Node) -> str:
     signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
-    usual = (-LARGEST, LARGEST, MOST, 2**63)
+    usual = (-LARGEST, LARGEST, 2**63)
     bounds = [f"{sign} {node[key]:g}" for key, sign in signs.items() if key in node and node[key] not in usual]
     whole = "whole number" if node["type"] == "integer" else "number"
     return " ".join([whole, ", ".join(bounds)]).strip()

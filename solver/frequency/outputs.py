@@ -33,7 +33,7 @@ class Rung(NamedTuple):
     process: gaussian.Process
     X: np.ndarray  # (nl, nm) modes
     frame: Forces
-    joints: np.ndarray  # (nl, nb, 3) forces on the floats, but along axes that slide what goes with the waves alone
+    joints: np.ndarray  # (nl, nb, 3) forces on the floats
     extremes: float = 1.0  # of steel to be expected, over those of Gaussian lines, where they are larger
     rings: float = 0.0  # share of steel's variance by lines that no wave makes, in a sea
 

@@ -17,7 +17,6 @@ from solver.frequency.response import Response
 from solver.frequency.shape import warped
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
-from solver.scene import DOFS
 
 FASTEST = 40.0  # times the fastest wave's frequency, up to which modes are looked at
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
@@ -51,9 +50,6 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
         borne = support.forces.whole(of_drag @ support.forces.drag) if support.forces is not None else borne
     X, Y = case.driven(omega, pushed, response.damping)
     joints = channels.hinge_force(model.loads(omega, X, Y, np.zeros((1, 1, 1))))
-    for j in axes:
-        if channels.names[j] in DOFS[:3]:  # there that is the load itself: see outputs.bend
-            joints[:, channels.owner[j], DOFS.index(channels.names[j])] = 0.0
     every = Rung(
         process,
         np.concatenate([waves.X, X[:, :nm]]),

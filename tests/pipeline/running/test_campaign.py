@@ -507,6 +507,19 @@ def test_answers_are_printed_and_written_beside_the_dataset(cli, tmp_path):
     cli("answers", "--between", "seed=0,1", code=1)
 
 
+def test_what_was_made_of_an_earlier_dataset_is_named(cli, tmp_path):
+    """Its numbers are not those of the study any more, and neither `run` nor `figures` takes it away."""
+    cli("run", "--workers", "1", "--select", "platform=fixed")
+    cli("answers")
+    (figures := tmp_path / "r" / "small" / "figures").mkdir()
+    (figures / "of-before.svg").write_text("")
+    assert "earlier" not in cli("run", "--workers", "1", "--select", "platform=fixed")
+    for told in (cli("run", "--workers", "1"), cli("figures", "--format", "png")):
+        assert "made of an earlier statistics.nc: answers.nc, figures/of-before.svg" in told.replace("\n", " ")
+    cli("answers")
+    assert "statistics.nc: figures/of-before.svg" in cli("run").replace("\n", " ")
+
+
 def test_a_report_that_cannot_be_written_is_a_warning(cli, tmp_path, drawn, monkeypatch):
     """As in a folder for reading only, where neither page nor table can be kept."""
     from pipeline.report import page
