@@ -24,7 +24,7 @@ from solver.record.beside import radiating
 
 ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
 GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std
-OFTEN = 16  # samples of the fastest's period
+OFTEN, SELDOM = 16, 4  # samples of the fastest wave's period; of the fastest line's above the waves
 PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
 # Frequencies below the waves, and from there to above them, by their logarithms, and more of them about any resonance.
 EVEN, ABOVE, EACH = 60, 120, 24
@@ -49,7 +49,9 @@ def slow_motions(
     at, width = parts(least, highest, EVEN, own, np.maximum(B / 2, NARROW * own))
     Z = model.dynamic_stiffness(at, case.impedance_at(at)) - 1j * at[:, None, None] * damping
     moved = np.linalg.solve(Z, np.eye(n)[:, axes])
-    power = np.sum((moved @ spectrum(load, rates, case.omega, at, highest, case.waves.max())) * moved.conj(), axis=2)
+    power = np.sum(
+        (moved @ spectrum(load, rates, case.omega, at, highest, OFTEN * case.waves.max())) * moved.conj(), axis=2
+    )
     return at, np.sqrt(2 * width * power.real.T.clip(min=0.0)).astype(complex)
 
 
@@ -75,17 +77,20 @@ def lines(
     own = np.sqrt(square.clip(min=0.0))
     half = np.maximum(np.sum(shapes * ((model.damping + damping) @ shapes), axis=0) / 2, NARROW * own)
     at, width = parts(slowest / 4, highest, ABOVE, own, half)
-    square, pattern = np.linalg.eigh(spectrum(load, rates, case.omega, at, slowest, highest))
+    square, pattern = np.linalg.eigh(spectrum(load, rates, case.omega, at, slowest, SELDOM * highest))
     every = pattern * np.sqrt(2 * width[:, None] * square.clip(min=0.0))[:, None]
     return np.repeat(at, rates.shape[1]), every.swapaxes(1, 2).reshape(-1, rates.shape[1])
 
 
 def spectrum(
-    load: Load, rates: np.ndarray, omega: np.ndarray, at: np.ndarray, slowest: float, fastest: float
+    load: Load, rates: np.ndarray, omega: np.ndarray, at: np.ndarray, slowest: float, sampled: float
 ) -> np.ndarray:
-    """One-sided, at frequencies (ne,), of what is left of loads (ne, nj, nj) at rates (nl, nj) of lines omega (nl,)."""
+    """One-sided, at frequencies (ne,), of what is left of loads (ne, nj, nj) at rates (nl, nj) of lines omega (nl,).
+
+    By R at delays of 2π/`sampled`, to PERIODS of the slowest wave.
+    """
     last, nj = PERIODS * 2 * np.pi / slowest, rates.shape[1]
-    count = int(np.ceil(OFTEN * fastest * last / (2 * np.pi)))
+    count = int(np.ceil(sampled * last / (2 * np.pi)))
     step = last / count
     R = correlations(load, rates, omega, step, count)
     R *= (0.5 * step / np.pi * (1 + np.cos(np.pi * np.arange(count) / count)))[:, None]
@@ -108,7 +113,8 @@ def correlations(load: Load, rates: np.ndarray, omega: np.ndarray, step: float, 
     each = (c[:, :, None] * c[:, None]).reshape(len(c), -1) - s[:, None] ** 2 * jumps
     square, total = rho**2, np.zeros(rho.shape)
     for term in each[::-1]:
-        total = (total + term) * square
+        total += term
+        total *= square
     return total * rho + jumps * (2 / np.pi) * (np.arcsin(rho) - rho)
 
 
