@@ -18,6 +18,7 @@ from pipeline.study import seas
 from pipeline.study.axes import Axes, Axis
 from pipeline.study.layout import HINGE
 from pipeline.study.schema import StudyFile
+from pipeline.study.seas import Still
 from pipeline.study.settings import RULES
 from pipeline.study.tables import Same
 from pipeline.study.words import told
@@ -217,7 +218,8 @@ def _scenes(study: StudyFile) -> Iterator[InputError]:
     from solver.sea.realization import Realization
 
     omega = np.array([sea_checks.highest_frequency(study)])
-    shortest = Realization(omega=omega, amplitude=np.array([1e-9 + 0j]))
+    height = 0.0 if all(isinstance(sea, Still) for sea in study.seas.values()) else 1e-9
+    shortest = Realization(omega=omega, amplitude=np.array([height + 0j]))
     fixed = _as_it_is(study)
     for labels in _configurations(fixed):
         yield from objections(partial(scenes.scene, cell(fixed, labels, ()).parameters, shortest))

@@ -11,6 +11,7 @@ from typing import get_args
 from pipeline.bridge import realizations
 from pipeline.bridge.objections import objections
 from pipeline.study import seas
+from pipeline.study.axes import UNCHANGED
 from pipeline.study.schema import StudyFile
 from pipeline.study.seas import Components, Elevation, Irregular, Regular, SeaState, Shape, Still, Waves, WhiteNoise
 from solver.errors import InputError
@@ -80,7 +81,8 @@ def _shapes(study: StudyFile) -> Iterator[Shape]:
     yield study.waves.spectrum
     yield from (sea.spectrum for sea in study.seas.values() if isinstance(sea, Irregular) and sea.spectrum)
     for axis in study.varied:
-        yield from (value for path, values in axis.keys.items() if path.endswith(".spectrum") for value in values)
+        found = (value for path, values in axis.keys.items() if path.endswith(".spectrum") for value in values)
+        yield from (value for value in found if value is not UNCHANGED)
 
 
 def _foreign(key: str, name: str, value: object, shape: Shape) -> InputError:

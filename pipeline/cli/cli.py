@@ -278,7 +278,7 @@ def schema() -> None:
     """The same as JSON Schema, with which editors complete and check study files."""
     from pipeline.study.reference import json_schema
 
-    say(json.dumps(json_schema(), indent=1, ensure_ascii=False))
+    say(json.dumps(json_schema(), indent=1, ensure_ascii=False, allow_nan=False))
 
 
 @app.command()

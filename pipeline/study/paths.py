@@ -162,7 +162,7 @@ def _table(node: Table, path: str, put: Put, above: str) -> Table:
         kind = _kind(node, key) if above or key not in OWN else None
         if kind is None:
             raise PathError(f"leads nowhere: the study has no [{above}{key}]")
-        child = _made(kind, rest, put, f"{above}{key}")
+        return _with(node, key, _made(kind, rest, put, f"{above}{key}"), put)
     if not rest and _is_container(child):
         raise PathError(_inside(child, f"{above}{key}"))
     new: Any

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Any, NamedTuple
@@ -139,7 +140,7 @@ def _kind(table: Node) -> str:
 
 
 def _key(path: str, node: Node, name: str, table: Node, kind: str) -> Key:
-    default = "" if node.get("default") in (None, {}, []) else json.dumps(node["default"])
+    default = "" if node.get("default") in (None, {}, []) else json.dumps(node["default"]).replace("Infinity", "inf")
     return Key(
         path=path,
         unit=node.get("x-unit", "-"),
@@ -199,7 +200,7 @@ def _draft4(node: Node) -> Node:
         about: Node = {key: node[key] for key in ("description", "x-unit") if key in node}
         return {"allOf": [link], **about} if about else link
     plain: Node = {key: node[key] for key in KEPT if key in node}
-    if node.get("default") is not None:
+    if node.get("default") not in (None, math.inf):  # which JSON does not have
         plain["default"] = node["default"]
     if "const" in node:
         plain["enum"] = [node["const"]]

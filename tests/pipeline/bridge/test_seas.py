@@ -129,6 +129,8 @@ def test_a_gamma_of_some_seas_is_let_pass(study_with, path, values):
     study_with(row, waves=f"{BAND}\ngamma = 2.0")
     along = f"\n[[axes.together]]\nname = 'shape'\n'{path}' = {values}\nnumber = [1, 2]"
     study_with(f"{{ Hs = 1.0, Tp = 8.0 }}{along}", waves=f"{BAND}\ngamma = 2.0")
+    later = f"\n[variants.usual]\n[variants.other]\n'{path}' = 'jonswap'"
+    study_with(f"{{ Hs = 1.0, Tp = 8.0 }}{later}", waves=f"{BAND}\ngamma = 2.0")
 
 
 def test_a_spectrum_from_a_file(study_with):
@@ -396,6 +398,12 @@ def test_a_record_says_which_band_was_chosen(study_with):
 def test_still_water_in_a_band_shares_coefficients_with_its_waves(study_with):
     still = geometry_of(next(iter(expand(study_with('{ kind = "still" }').content))).parameters)
     assert still == geometry_of(next(iter(expand(study_with("{ Hs = 1.0, Tp = 8.0 }").content))).parameters)
+
+
+def test_still_water_alone_has_no_waves_to_tell_apart(study_with):
+    still, rao = '{ kind = "still" }', "[record]\nrao = true\nduration = 40.0"
+    for waves in (rao, f"{BAND}\n{rao}"):
+        assert len(study_with(still, waves=waves).tasks.unique) == 1
 
 
 def test_waves_too_close_for_the_record_cannot_have_an_rao(study_with, tmp_path):

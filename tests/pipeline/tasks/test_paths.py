@@ -998,6 +998,17 @@ def test_a_table_that_the_study_lacks_is_brought_in_whole(small, given):
     assert ids == (plain | with_stops if "variants" in given else with_stops) and with_stops != plain
 
 
+def test_a_current_s_profile_is_brought_in_whole(small):
+    """Of a table that the study lacks the one key may be a list of tables."""
+    text, profile = small.read_text(), "[{ depth = 0.0, speed = 1.0 }, { depth = 10.0, speed = 0.2 }]"
+    small.write_text(f"{text}\n[current]\nprofile = {profile}\n")
+    sheared = {task.id for task in load(small).tasks}
+    small.write_text(text)
+    assert sheared < {
+        task.id for task in tables_under(small, f"[variants.a]\n[variants.b]\ncurrent.profile = {profile}").tasks
+    }
+
+
 def test_names_that_the_study_lacks_are_brought_in(small):
     """Springs at feet in place of clamps, each with its own; and where they are of no node, that is said."""
     text = small.read_text()
