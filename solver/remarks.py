@@ -152,7 +152,8 @@ def pulled(factor: float, rings: float) -> Iterator[str]:
     if rings > RINGS:
         yield (
             f"platform: {rings:.0%} of the variance of a force or stress is by what joints' loads ring between the"
-            " waves, in bursts: expect the largest up to twice those told, and damage within a factor of ten"
+            " waves, in bursts: expect the largest up to twice those told, up to four times in one wave, and damage"
+            " within a factor of ten"
         )
     if factor > APART:
         yield (

@@ -16,6 +16,7 @@ from solver.statistics import moments
 
 Load = Callable[[np.ndarray], np.ndarray]  # of power take-offs (m, n) at rates (m, n)
 ONE = np.full(gaussian.PHASES, 1 / gaussian.PHASES)  # weights of a harmonic's samples in means
+FEW = range(2, 6)  # waves, whose rates are far from Gaussian ones
 COS, SIN = np.cos(gaussian.PHASE)[:, None], np.sin(gaussian.PHASE)[:, None]
 
 
@@ -83,7 +84,7 @@ def absorbed_table(load: Load, V: np.ndarray, of: gaussian.Process, kappa: np.nd
     """
     S = gaussian.covariance(V, V)
     sigma = np.sqrt(np.diag(S))
-    if (v := of.sampled(V)) is not None:
+    if (v := gaussian.met(V) if len(V) in FEW and not of.known else of.sampled(V)) is not None:
         v = v if len(V) == 1 else shaped(v, sigma, kappa)
         return gaussian.tabulated([np.sum(load(v) * v, axis=1, keepdims=True)])[0]
     v = sigma * warped(gaussian.SIZES[:, None], kappa)

@@ -183,10 +183,10 @@ class Case:
         return impedance_anywhere(self.system, self.hydrodynamics, omega)
 
     def driven(self, omega: np.ndarray, load: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """X (ne, n) by loads (ne, n) on the coordinates at any ω, with further damping (n, n), and Y (ne, na, na)."""
+        """X (ne, k, n) by k loads (ne, k, n) each at any ω, with further damping (n, n), and Y (ne, na, na)."""
         Y = self.impedance_at(omega)
         Z = self.model.dynamic_stiffness(omega, Y) - 1j * omega[:, None, None] * damping
-        return np.linalg.solve(Z, load[..., None])[..., 0], Y
+        return np.linalg.solve(Z, load.swapaxes(1, 2)).swapaxes(1, 2), Y
 
     def _impedance(self, h: Hydrodynamics | None) -> np.ndarray:
         """By other coefficients."""

@@ -30,6 +30,7 @@ POINTS = 2**14  # of a normal distribution of several variables, and as many opp
 GAUSS = np.polynomial.legendre.leggauss(200)
 SIZES = 5 * (1 + GAUSS[0])  # of a rate over its std, up to 10
 WEIGHTS = 5 * GAUSS[1] * np.sqrt(2 / np.pi) * np.exp(-0.5 * SIZES**2)
+PRIMES = np.array([2, 3, 5, 7, 11, 13])
 FAR = 8.0  # times its std: how far from zero a mean must be for the length of its vector to be nearly linear
 
 
@@ -67,6 +68,12 @@ class Process:
     def unwaved(self, X: np.ndarray) -> np.ndarray:
         """Which lines (nl, n) have next to nothing of the waves: no sum of those has the others' shape."""
         return spread(X[: len(X) - self.others]) < FAINT * spread(X)
+
+
+def met(X: np.ndarray) -> np.ndarray:
+    """Values (m, n) of a few lines (nl, n) in all phases to each other."""
+    each = np.arange(1, POINTS + 1)[:, None] * np.sqrt(PRIMES[: len(X)])  # Richtmyer's sequence fills evenly
+    return np.asarray((np.exp(2j * np.pi * each) @ X).real)
 
 
 def sums(omega: np.ndarray, X: np.ndarray, begin: float, step: float, count: int) -> Iterator[np.ndarray]:

@@ -28,6 +28,7 @@ OFTEN, SELDOM = 16, 4  # samples of the fastest wave's period; of the fastest li
 PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
 # Frequencies below the waves, and from there to above them, by their logarithms, and more of them about any resonance.
 EVEN, ABOVE, EACH = 60, 120, 24
+PAIRS = 64  # of loads that are looked at together
 
 
 def slow_motions(
@@ -59,7 +60,10 @@ def parts(low: float, high: float, even: int, own: np.ndarray, half: np.ndarray)
     """Frequencies (ne,) from `low` to `high`, and what each stands for: even in their logarithms, and dense about
     resonances (m,) by half of their widths.
     """
-    near = own[:, None] + half[:, None] * np.tan(np.linspace(-1.5, 1.5, EACH))
+    order = np.lexsort((half, own))
+    own, half = own[order], half[order]
+    some = np.diff(own, prepend=-np.inf) > half / EACH  # many alike resonate at next to one
+    near = own[some, None] + half[some, None] * np.tan(np.linspace(-1.5, 1.5, EACH))
     edges = np.union1d(np.geomspace(low, high, even), near[(near > low) & (near < high)])
     return 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
 
@@ -67,55 +71,64 @@ def parts(low: float, high: float, even: int, own: np.ndarray, half: np.ndarray)
 def lines(
     case: Case, load: Load, rates: np.ndarray, damping: np.ndarray, fastest: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """ω (ne,) and lines (ne, nj) of what is left of loads at rates (nl, nj) of a sea: at each frequency as many as
-    loads, which go together as the loads do.
+    """ω (ne,), and at each nj lines of what is left of loads at rates (nl, nj) of a sea, (ne, nj, nj), loads last.
 
-    From below the waves to so many times their fastest, dense about resonances, with further damping (n, n).
+    They go together as the loads do, if a platform or a float bears several of these. From below the waves to so many
+    times their fastest, dense about resonances, with further damping (n, n).
     """
-    model, (slowest, highest) = case.model, (case.waves.min(), fastest * case.waves.max())
+    model, scene, (slowest, highest) = case.model, case.system.scene, (case.waves.min(), fastest * case.waves.max())
     square, shapes = eigh(model.stiffness, model.mass)
     own = np.sqrt(square.clip(min=0.0))
     half = np.maximum(np.sum(shapes * ((model.damping + damping) @ shapes), axis=0) / 2, NARROW * own)
     at, width = parts(slowest / 4, highest, ABOVE, own, half)
-    square, pattern = np.linalg.eigh(spectrum(load, rates, case.omega, at, slowest, SELDOM * highest))
-    every = pattern * np.sqrt(2 * width[:, None] * square.clip(min=0.0))[:, None]
-    return np.repeat(at, rates.shape[1]), every.swapaxes(1, 2).reshape(-1, rates.shape[1])
+    apart = case.system.support is None and max(scene.carriers) < 0
+    square, pattern = np.linalg.eigh(spectrum(load, rates, case.omega, at, slowest, SELDOM * highest, apart=apart))
+    return at, (pattern * np.sqrt(2 * width[:, None] * square.clip(min=0.0))[:, None]).swapaxes(1, 2)
 
 
 def spectrum(
-    load: Load, rates: np.ndarray, omega: np.ndarray, at: np.ndarray, slowest: float, sampled: float
+    load: Load,
+    rates: np.ndarray,
+    omega: np.ndarray,
+    at: np.ndarray,
+    slowest: float,
+    sampled: float,
+    *,
+    apart: bool = False,
 ) -> np.ndarray:
     """One-sided, at frequencies (ne,), of what is left of loads (ne, nj, nj) at rates (nl, nj) of lines omega (nl,).
 
-    By R at delays of 2π/`sampled`, to PERIODS of the slowest wave.
+    By R at delays of 2π/`sampled`, to PERIODS of the slowest wave. apart: each load's own alone.
     """
     last, nj = PERIODS * 2 * np.pi / slowest, rates.shape[1]
     count = int(np.ceil(sampled * last / (2 * np.pi)))
     step = last / count
-    R = correlations(load, rates, omega, step, count)
-    R *= (0.5 * step / np.pi * (1 + np.cos(np.pi * np.arange(count) / count)))[:, None]
-    R[0] /= 2
     size = next_fast_len(2 * count, real=True)
     place = at * size * step / (2 * np.pi)
-    seen, low = rfft(R, size, axis=0).conj(), place.astype(int)
-    half = seen[low] + (place - low)[:, None] * (seen[low + 1] - seen[low])
-    half = half.reshape(at.size, nj, nj)
+    low, half = place.astype(int), np.zeros((at.size, nj, nj), complex)
+    window = (0.5 * step / np.pi * (1 + np.cos(np.pi * np.arange(count) / count)))[:, None]
+    window[0] /= 2
+    i, j = np.indices((nj, nj))[:, np.eye(nj, dtype=bool) if apart else np.full((nj, nj), True)]
+    V, terms = rates / gaussian.spread(rates), _terms(load, gaussian.spread(rates))
+    for some in np.array_split(np.arange(i.size), -(-i.size // PAIRS)):
+        a, b = i[some], j[some]
+        rho = np.concatenate([*gaussian.sums(omega, 0.5 * V[:, a] * V[:, b].conj(), 0.0, step, count)])
+        seen = rfft(_correlations(rho.clip(-1.0, 1.0), terms, a, b) * window, size, axis=0).conj()
+        half[:, a, b] = seen[low] + (place - low)[:, None] * (seen[low + 1] - seen[low])
     return np.asarray(half + half.conj().swapaxes(1, 2))
 
 
-def correlations(load: Load, rates: np.ndarray, omega: np.ndarray, step: float, count: int) -> np.ndarray:
-    """R (count, nj nj) at delays a step apart."""
-    V = rates / gaussian.spread(rates)
-    pairs = 0.5 * (V[:, :, None] * V[:, None].conj()).reshape(len(V), -1)
-    rho = np.concatenate([*gaussian.sums(omega, pairs, 0.0, step, count)]).clip(-1.0, 1.0)
-    J, c, s = _terms(load, gaussian.spread(rates))
-    jumps = np.outer(J, J).ravel()
-    each = (c[:, :, None] * c[:, None]).reshape(len(c), -1) - s[:, None] ** 2 * jumps
+def _correlations(
+    rho: np.ndarray, terms: tuple[np.ndarray, np.ndarray, np.ndarray], a: np.ndarray, b: np.ndarray
+) -> np.ndarray:
+    """R (m, np) of pairs (np,) of loads whose rates have correlations ρ (m, np)."""
+    J, c, s = terms
+    jumps = J[a] * J[b]
     square, total = rho**2, np.zeros(rho.shape)
-    for term in each[::-1]:
+    for term in (c[:, a] * c[:, b] - s[:, None] ** 2 * jumps)[::-1]:
         total += term
         total *= square
-    return total * rho + jumps * (2 / np.pi) * (np.arcsin(rho) - rho)
+    return np.asarray(total * rho + jumps * (2 / np.pi) * (np.arcsin(rho) - rho))
 
 
 def _terms(load: Load, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -33,9 +33,9 @@ class Rung(NamedTuple):
     process: gaussian.Process
     X: np.ndarray  # (nl, nm) modes
     frame: Forces
-    joints: np.ndarray  # (nl, nb, 3) forces on the floats
+    joints: np.ndarray | None = None  # (nb, 3, 5) statistics of `hinge_force` where that has such lines
     extremes: float = 1.0  # of steel to be expected, over those of Gaussian lines, where they are larger
-    rings: float = 0.0  # share of steel's variance by lines that no wave makes, in a sea
+    rings: float = 0.0  # share of steel's variance by lines that no wave makes
 
 
 def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:
@@ -83,7 +83,7 @@ def _of_law(case: Case, axes: np.ndarray) -> np.ndarray:
     return case.system.structure.carrier.shape[0] + np.flatnonzero(axes)
 
 
-def bend(case: Case, response: Response, law: JointLaw, known: list[Output], tables: dict[str, np.ndarray]) -> None:
+def bend(case: Case, response: Response, law: JointLaw, linear: list[Output], tables: dict[str, np.ndarray]) -> None:
     """By the whole law, and rates and motions of the shape that it makes, in place: how far and how fast axes move, and
     what they bear, `pto_force`, and along an axis that slides the joint's `hinge_force`, with all that goes by rate.
 
@@ -96,7 +96,7 @@ def bend(case: Case, response: Response, law: JointLaw, known: list[Output], tab
     by_rate = response.bends | (drag(law)[nc:] > 0)
     if not by_rate.any():
         return
-    owner, of_lines = channels.owner, {name: lines[: len(rates)] for name, _, lines in known}
+    owner, of_lines = channels.owner, {name: lines for name, _, lines in linear}
     place = owner, [channels.axes.index(name) for name in channels.names]
     for name, kappa in (("pto_rate", response.excess[0]), ("motion", response.excess[1])):
         if name in tables:
@@ -165,9 +165,9 @@ def _electrical(
 
 
 def outputs(case: Case, response: Response) -> Iterator[Output]:
-    """Of all that goes with the waves but what may ring."""
+    """Of all that goes with the waves but a platform's."""
     system, channels, mean = case.system, case.channels, response.mean
-    scene = system.scene
+    scene, still = system.scene, case.loads_at_rest[1] + mean.wrench
     z = system.equilibrium[0] + case.model.shape @ mean.x
     yield ELEVATION, np.zeros(()), case.amplitude
     if scene.floats:
@@ -182,16 +182,14 @@ def outputs(case: Case, response: Response) -> Iterator[Output]:
             k = np.concatenate([f.per_axis("pto_stiffness") for f in scene.floats])
             level, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))
             yield "pto_force", level, lines
+        yield "hinge_force", channels.hinge_force(still[None])[0], channels.hinge_force(response.wrench)
         if channels.lines:
             yield "line_tension", channels.line_tension(system.bodies, z[None])[0], response.Z @ slopes(case, z)
 
 
-def rung_outputs(case: Case, response: Response, rung: Rung) -> Iterator[Output]:
-    """Of joints and a platform, that are linear."""
+def platform_outputs(case: Case, response: Response, rung: Rung) -> Iterator[Output]:
+    """Of a platform, that are linear."""
     channels, frame, p = case.channels, rung.frame, case.system.equilibrium[1]
-    if case.system.scene.floats:
-        still = case.loads_at_rest[1] + response.mean.wrench
-        yield "hinge_force", channels.hinge_force(still[None])[0], rung.joints
     if channels.legs is not None:
         tops = channels.legs.tops.reshape(p.size, -1)
         means, lines = (x @ tops for x in (p + response.mean.x[: p.size], rung.X))

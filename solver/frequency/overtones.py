@@ -31,7 +31,7 @@ def overtones(case: Case, damping: np.ndarray, load: Load, V: np.ndarray, axes: 
     parts = TURNED.conj() @ load(v) * (2 / gaussian.PHASES)
     force = np.zeros((ORDERS.size, len(damping)), complex)
     force[:, axes] = -parts[1:]
-    X, _ = case.driven(omega, force, damping)
+    X = case.driven(omega, force[:, None], damping)[0][:, 0]
     rates = (TURNED[1:].T @ (-1j * omega[:, None] * X)[:, axes]).real
     return Overtones(TURNED[0].conj() @ load(v + rates) * (2 / gaussian.PHASES) - parts[0], rates)
 

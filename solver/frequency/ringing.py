@@ -17,6 +17,7 @@ from solver.frequency.response import Response
 from solver.frequency.shape import warped
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
+from solver.scene import DOFS
 
 FASTEST = 40.0  # times the fastest wave's frequency, up to which modes are looked at
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
@@ -28,61 +29,102 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
     """What a response moves a platform by, and the frame's and the joints' forces, with such lines where loads bend."""
     (nc, nm), of, model, support = case.system.structure.carrier.shape, case.process, case.model, case.system.support
     channels, rates, one = case.channels, rate_lines(case, response), case.omega.size == 1
-    waves = Rung(of, response.X[:, :nm], frame, channels.hinge_force(response.wrench))
     axes = np.flatnonzero((response.bends | (drag(law)[nc:] > 0)) & ~response.stuck & rates.any(axis=0))
     dragged = one and case.stations.size > 0
     if not (axes.size or dragged):
-        return waves
+        return Rung(of, response.X[:, :nm], frame)
     load, moved = rate_load(law, nc + axes), rates[:, axes]
     if one:
         numbers = np.union1d(HARMONICS if axes.size else BY_DRAG, BY_DRAG if dragged else HARMONICS)
-        omega, force = numbers * of.omega[0], _harmonics(numbers, load(gaussian.one_period(moved)))
-        process = gaussian.Process(np.append(of.omega, omega), 2 * np.pi / of.omega[0], begin=0.0)
+        omega, force = numbers * of.omega[0], _harmonics(numbers, load(gaussian.one_period(moved)))[:, None]
     else:
         omega, force = left.lines(case, load, moved, response.damping, FASTEST)
-        process = gaussian.Process(np.append(of.omega, omega), of.duration, of.others + omega.size, of.begin)
-    pushed = np.zeros((len(omega), len(model.mass)), complex)
-    pushed[:, nm + axes] = -force
-    borne = np.zeros((len(omega), frame.lines.shape[1]), complex)
+    many, at = force.shape[1], np.repeat(omega, force.shape[1])
+    pushed = np.zeros((omega.size, many, len(model.mass)), complex)
+    pushed[..., nm + axes] = -force
+    borne = np.zeros((omega.size, many, frame.lines.shape[1]), complex)
     if dragged and support is not None:
         of_drag = _harmonics(numbers, _drag(case, response))
-        pushed[:, :nm] = of_drag @ case.stations.shape.T
-        borne = support.forces.whole(of_drag @ support.forces.drag) if support.forces is not None else borne
+        pushed[:, 0, :nm] = of_drag @ case.stations.shape.T
+        if support.forces is not None:
+            borne[:, 0] = support.forces.whole(of_drag @ support.forces.drag)
     X, Y = case.driven(omega, pushed, response.damping)
-    joints = channels.hinge_force(model.loads(omega, X, Y, np.zeros((1, 1, 1))))
-    every = Rung(
-        process,
-        np.concatenate([waves.X, X[:, :nm]]),
-        frame._replace(lines=np.concatenate([frame.lines, borne + _borne(case, omega, Y, X)])),
-        np.concatenate([waves.joints, joints]),
-    )
+    joints = np.empty((omega.size, many, len(case.system.scene.floats), 3), complex)
+    for k in range(many):
+        borne[:, k] += _borne(case, omega, Y, X[:, k])
+        joints[:, k] = _across(case, axes, model.loads(omega, X[:, k], Y, np.zeros((1, 1, 1))))
+    duration, begin = (2 * np.pi / of.omega[0], 0.0) if one else (of.duration, of.begin)
+    process = gaussian.Process(np.append(of.omega, at), duration, 0 if one else of.others + at.size, begin)
+    X = np.concatenate([response.X[:, :nm], X.reshape(at.size, -1)[:, :nm]])
+    frame = frame._replace(lines=np.concatenate([frame.lines, borne.reshape(at.size, borne.shape[2])]))
+    forces = np.concatenate([channels.hinge_force(response.wrench), joints.reshape(at.size, *joints.shape[2:])])
+    mean = channels.hinge_force((case.loads_at_rest[1] + response.mean.wrench)[None])[0]
+    loads = np.concatenate([moved * np.diag(response.damping)[nm + axes], force.reshape(at.size, -1)])
     if one:
-        return every
-    loads = np.concatenate([moved * np.diag(response.damping)[nm + axes], force])
-    extremes, rings = _beside_gaussian(case, load, moved, response.excess[0, axes], loads, every.frame.lines)
-    return every._replace(extremes=extremes, rings=rings)
+        return Rung(process, X, frame, gaussian.table(mean, forces, process), *_of_steel(case, frame, loads, None))
+    more = _beyond_gaussian(case, load, moved, response.excess[0, axes], loads)
+    return Rung(process, X, frame, _of_joints(case, mean, forces, loads, more), *_of_steel(case, frame, loads, more))
 
 
-def _beside_gaussian(
-    case: Case, load: Load, rates: np.ndarray, excess: np.ndarray, loads: np.ndarray, frame: np.ndarray
-) -> tuple[float, float]:
+def _across(case: Case, axes: np.ndarray, wrench: np.ndarray) -> np.ndarray:
+    """Joints' forces (ne, nb, 3) of loads on the floats (ne, nb, 6), but along axes that slide: see outputs.bend."""
+    force = case.channels.hinge_force(wrench)
+    for j in axes:
+        if case.channels.names[j] in DOFS[:3]:
+            force[:, case.channels.owner[j], DOFS.index(case.channels.names[j])] = 0.0
+    return force
+
+
+def _beyond_gaussian(case: Case, load: Load, rates: np.ndarray, excess: np.ndarray, loads: np.ndarray) -> np.ndarray:
+    """r² - 1 (nj,) where loads' largest are r of those of Gaussian lines: loads (nl, nj), by rates (nw, nj) with an
+    excess of kurtosis (nj,)."""
+    fastest = gaussian.spread(rates) * warped(gaussian.peak(rates, case.process), excess)
+    told = gaussian.spread(loads) * gaussian.peak(loads[: case.omega.size], case.process)
+    return np.asarray((load(fastest[None])[0] / told) ** 2 - 1)
+
+
+def _alike(y: np.ndarray, loads: np.ndarray) -> np.ndarray:
+    """Squares (n, nj) of correlations of lines (nl, n) and (nl, nj)."""
+    size = np.outer(gaussian.spread(y), gaussian.spread(loads))
+    return np.divide(gaussian.covariance(y, loads), size, out=np.zeros(size.shape), where=size > 0) ** 2
+
+
+def _of_joints(case: Case, mean: np.ndarray, forces: np.ndarray, loads: np.ndarray, more: np.ndarray) -> np.ndarray:
+    """Statistics (nb, 3, 5) of forces with means (nb, 3) and lines (nl, nb, 3) in a sea.
+
+    Largest ones are of as many cycles as the waves make: those of waves' own lines, or where loads have larger ones
+    than Gaussian lines (1 + Σ s² (r² - 1))^½ of all lines', s the correlations with them.
+    """
+    table, every = gaussian.table(mean, forces[: case.omega.size], case.process), forces.reshape(len(forces), -1)
+    usual, std = (gaussian.spread(lines).reshape(mean.shape) for lines in (every[: case.omega.size], every))
+    grown = np.divide(std, usual, out=np.ones(std.shape), where=usual > 0)
+    largest = np.sqrt((1 + _alike(every, loads) @ more).clip(min=0.0)).reshape(mean.shape)
+    level = mean[..., None]
+    table[..., :2] = level + np.maximum(1.0, largest * grown)[..., None] * (table[..., :2] - level)
+    table[..., 4] *= grown
+    table[..., 3] = np.hypot(mean, table[..., 4])
+    return table
+
+
+def _of_steel(case: Case, frame: Forces, loads: np.ndarray, more: np.ndarray | None) -> tuple[float, float]:
     """Largest ones to be expected of steel over those of Gaussian lines (nl, ny), and the share that rings.
 
-    Where loads' largest are r of those, (1 + s² (r² - 1))^½ of what goes with them by a correlation s; not less than 1:
-    what rings comes in bursts, and makes up for what loads that are cut off have less.
-    loads (nl, nj): their lines, by rates with an excess of kurtosis (nj,).
+    (1 + s² (r² - 1))^½ as of joints, of each load; not less than 1: what rings comes in bursts, and makes up for what
+    loads that are cut off have less. loads (nl, nj): their lines; without `more` of one wave, whose phases are known.
     """
-    steel, largest, rings, of = case.channels.steel, 1.0, 0.0, case.process
-    fastest = gaussian.spread(rates) * warped(gaussian.peak(rates, of), excess)
-    told = gaussian.spread(loads) * gaussian.peak(loads[: of.omega.size], of)
-    more = (load(fastest[None])[0] / told) ** 2 - 1
-    for _, lines in steel.channels(frame) if steel is not None else ():
+    steel, largest, rings = case.channels.steel, 1.0, 0.0
+    if steel is None or not loads.size:
+        return largest, rings
+    borne = [lines for _, lines in steel.channels(frame.lines)]
+    if steel.counts:
+        borne += [steel.fibres(forces, at) for at, forces in steel.ends(frame.lines).items()]
+    for lines in borne:
         every = lines.reshape(len(lines), -1)
         size = gaussian.spread(every)
         y = every[:, size > LITTLE * size.max(initial=0.0)]
-        s = gaussian.covariance(y, loads) / np.outer(gaussian.spread(y), gaussian.spread(loads))
-        largest = float(np.max(np.sqrt(1 + s**2 * more), initial=largest))
-        rings = max(rings, gaussian.share(y, slice(of.omega.size, None)))
+        if more is not None:
+            largest = float(np.max(np.sqrt(1 + _alike(y, loads) * more), initial=largest))
+        rings = max(rings, gaussian.share(y, slice(case.omega.size, None)))
     return largest, rings
 
 

@@ -135,8 +135,9 @@ def rotation_effect(
     case: Case, law: JointLaw, response: Response, frame: Forces, told: Mapping[str, np.ndarray]
 ) -> Effect:
     """What angles that are not small change, see harmonics, or what they drive below the waves; told: statistics."""
-    angles = _turning(case.system.resting).angles
-    if not response.Z[:, angles].any():
+    angles, free = _turning(case.system.resting).angles, np.full(case.system.resting.value[2].size, True)
+    free[case.system.structure.carrier.shape[0] :] = ~response.stuck  # what friction holds moves by next to nothing
+    if not response.Z[:, angles & free].any():
         return Effect(0.0, 1.0)
     compression = told["bottom_stress"][..., STATISTICS.index("std")] if "bottom_stress" in told else np.zeros(0)
     swinging = resonant(case, response)

@@ -21,8 +21,8 @@ from solver.frequency.outputs import (
     joint_lines,
     of_squares,
     outputs,
+    platform_outputs,
     rate_lines,
-    rung_outputs,
     strokes,
     tables_of,
 )
@@ -45,6 +45,7 @@ from solver.record.spectra import bands, crossings, moments
 from solver.record.steel import Steel
 from solver.remarks import beyond_tables, drag_driven, of_motions, pulled, skewed, stopped
 from solver.scene import Scene, require_waves
+from solver.statistics import FAINT
 
 NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
 CYCLES = 50  # of which rainflow leaves half a cycle
@@ -97,7 +98,7 @@ class _Solved:
     frame: Forces
     rung: Rung
     linear: list[Output]
-    of_ringing: list[Output]
+    of_platform: list[Output]
 
     @classmethod
     def of(cls, scene: Scene, case: Case) -> "_Solved":
@@ -105,7 +106,7 @@ class _Solved:
         response = turned(case, respond_in(case, law))
         frame = frame_forces(case, response)
         rung = ringing.rung(case, law, response, frame)
-        parts = list(outputs(case, response)), list(rung_outputs(case, response, rung))
+        parts = list(outputs(case, response)), list(platform_outputs(case, response, rung))
         return cls(scene, case, law, response, frame, rung, *parts)
 
     @cached_property
@@ -116,10 +117,12 @@ class _Solved:
     def tables(self) -> dict[str, np.ndarray]:
         """Of all outputs, in the order of STATISTICS."""
         case, response, law, scene = self.case, self.response, self.law, self.scene
-        tables = tables_of(case.process, self.linear) | tables_of(self.rung.process, self.of_ringing)
+        tables = tables_of(case.process, self.linear) | tables_of(self.rung.process, self.of_platform)
         tables |= dict(of_squares(case, response, self.rung, law))
+        if self.rung.joints is not None:
+            tables["hinge_force"] = self.rung.joints
         if scene.floats:
-            bend(case, response, law, self.linear + self.of_ringing, tables)
+            bend(case, response, law, self.linear, tables)
         if response.bends.any():
             bound(tables, scene, case.channels, joint_law(scene.floats), self.fastest)
         return tables
@@ -135,7 +138,7 @@ class _Solved:
         """Of all linear outputs, in bands that `duration` resolves."""
         case, scene = self.case, self.scene
         at = bands(scene.sea.omega, scene.settings.duration)
-        parts = ((name, lines[: case.waves.size]) for name, _, lines in self.linear + self.of_ringing)
+        parts = ((name, lines[: case.waves.size]) for name, _, lines in self.linear + self.of_platform)
         return case.channels.spectra(at, case.waves, scene.sea.amplitude[case.met], parts)
 
     def moments(self) -> dict[str, Labelled]:
@@ -143,7 +146,7 @@ class _Solved:
         case, waves = self.case, self.case.waves.size
         if "moments" not in self.scene.settings.outputs:
             return {}
-        processes = (case.process, self.linear), (self.rung.process, self.of_ringing)
+        processes = (case.process, self.linear), (self.rung.process, self.of_platform)
         return case.channels.moments(
             {name: _crossed(of, lines, waves) for of, parts in processes for name, _, lines in parts}
         )
@@ -195,9 +198,10 @@ def _beyond_tables(of: _Solved) -> tuple[str, ...]:
 
 
 def _counted(steel: Steel, rung: Rung, waves: int) -> tuple[dict[str, Labelled], tuple[str, ...]]:
-    """Of a random sea's lines, or of one harmonic; else by rainflow of their sum, of many periods where it has one."""
+    """Of a random sea's lines, of what rings, or of one harmonic; else by rainflow of their sum, where one wave is all
+    of many periods."""
     of, (level, lines) = rung.process, rung.frame
-    if of.omega.size == 1 or not of.known:
+    if of.omega.size == 1 or not of.known or (waves > 1 and rung.rings > FAINT):
         return steel.expected(lines, of.omega)
     parts, again = [steel.ends(level + block) for block in of.blocks(lines)], CYCLES if waves == 1 else 1
     bent = {at: np.tile(np.concatenate([part[at] for part in parts]), (again, 1, 1)) for at in parts[0]}

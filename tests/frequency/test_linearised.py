@@ -15,7 +15,7 @@ from solver.multibody.linearised import EVEN, GAUSSIAN, rest
 from solver.record.probe import UNTOLD
 from solver.run import simulate
 from solver.scene import Float
-from solver.sea.realization import regular
+from solver.sea.realization import components, regular
 from tests.awkward import RHO, SCENES, known, scene, sea
 
 LONG = {"duration": 1800.0, "discard": 100.0, "froude_krylov": "linear"}
@@ -288,3 +288,30 @@ def test_the_third_cumulant_of_a_load_is_that_of_a_gaussian_rate(law, third):
     kappa = excess(joint_law((item,)), omega, V, np.full((1, omega.size), H))[0]
     expected = -24 * third * H
     assert kappa == approx(expected / (1 - expected / 2) if expected < 0 else expected, rel=2e-3, abs=1e-9)
+
+
+def test_arms_that_friction_holds_do_not_turn():
+    """By rounding alone, whose changes tell nothing."""
+    item, h = given(hinged, {"coulomb": 1e9}, one=False)
+    told = by_lines(item, h).attrs
+    assert told["rotation_effect"] == told["linearisation_effect"] == 0.0
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_friction_s_power_in_a_few_waves_varies_as_their_sum_does(count):
+    """Far from a Gaussian rate's, of which two equal waves' has half of the std."""
+    item, h = given(flap, {"coulomb": 3e4}, one=False)
+    few = components(amplitude=[0.05] * count, omega=[1.1, 1.31, 1.57][:count], phase=[0.0] * count)
+    item = replace(item, sea=replace(few, known=False))
+    march, lines = (x.variables["absorbed_power"][1][0, 4] for x in (simulate(item, h), by_lines(item, h)))
+    assert lines == approx(march, rel=0.08)
+
+
+@pytest.mark.parametrize(("law", "most"), [({"coulomb": 2e4}, 1.2), ({"quadratic_damping": 3e8}, 1.5)])
+def test_largest_forces_of_joints_go_by_what_loads_they_have(law, most):
+    """Friction's are cut off, quadratic damping's are more than Gaussian ones, of which lines have two thirds."""
+    item, h = given(flap, law, one=False)
+    item = replace(item, settings=replace(item.settings, duration=7200.0))
+    march, lines = (x.variables["hinge_force"][1][0, 0] for x in (simulate(item, h), by_lines(item, h)))
+    assert lines[4] == approx(march[4], rel=0.05)
+    assert 0.8 < np.abs(lines[:2]).mean() / np.abs(march[:2]).mean() < most
