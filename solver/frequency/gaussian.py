@@ -30,7 +30,7 @@ POINTS = 2**14  # of a normal distribution of several variables, and as many opp
 GAUSS = np.polynomial.legendre.leggauss(200)
 SIZES = 5 * (1 + GAUSS[0])  # of a rate over its std, up to 10
 WEIGHTS = 5 * GAUSS[1] * np.sqrt(2 / np.pi) * np.exp(-0.5 * SIZES**2)
-PRIMES = np.array([2, 3, 5, 7, 11, 13])
+PRIMES = np.array([2, 3, 5, 7, 11])
 FAR = 8.0  # times its std: how far from zero a mean must be for the length of its vector to be nearly linear
 
 

@@ -119,9 +119,9 @@ class _Solved:
         case, response, law, scene = self.case, self.response, self.law, self.scene
         tables = tables_of(case.process, self.linear) | tables_of(self.rung.process, self.of_platform)
         tables |= dict(of_squares(case, response, self.rung, law))
-        if self.rung.joints is not None:
-            tables["hinge_force"] = self.rung.joints
         if scene.floats:
+            if self.rung.joints is not None:
+                tables["hinge_force"] = self.rung.joints
             bend(case, response, law, self.linear, tables)
         if response.bends.any():
             bound(tables, scene, case.channels, joint_law(scene.floats), self.fastest)

@@ -320,3 +320,10 @@ def test_damage_by_what_rings_in_waves_of_known_phases():
     exact, ours = (record.variables["damage"][1] for record in (march, told))
     most = exact > 0.2 * exact.max()
     assert np.all((ours > 0.3 * exact)[most] & (ours < 3 * exact)[most])
+
+
+def test_legs_that_ring_in_one_wave_alone_have_no_joints():
+    whole, h = awkward.SCENES["bare_legs"]()
+    settings = replace(whole.settings, froude_krylov="linear", method="frequency")
+    record = simulate(replace(whole, sea=regular(height=0.5, period=6.0), settings=settings), h)
+    assert "top_displacement" in record.variables and "hinge_force" not in record.variables
