@@ -59,11 +59,17 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
     frame = frame._replace(lines=np.concatenate([frame.lines, borne.reshape(at.size, borne.shape[2])]))
     forces = np.concatenate([channels.hinge_force(response.wrench), joints.reshape(at.size, *joints.shape[2:])])
     mean = channels.hinge_force((case.loads_at_rest[1] + response.mean.wrench)[None])[0]
-    loads = np.concatenate([moved * np.diag(response.damping)[nm + axes], force.reshape(at.size, -1)])
+    loads = np.concatenate([moved * _linear(load, gaussian.spread(moved)), force.reshape(at.size, -1)])
     if one:
         return Rung(process, X, frame, gaussian.table(mean, forces, process), *_of_steel(case, frame, loads, None))
     more = _beyond_gaussian(case, load, moved, response.excess[0, axes], loads)
     return Rung(process, X, frame, _of_joints(case, mean, forces, loads, more), *_of_steel(case, frame, loads, more))
+
+
+def _linear(load: Load, sigma: np.ndarray) -> np.ndarray:
+    """c = ⟨f v⟩/σ² (nj,) of loads f at Gaussian rates of std σ (nj,)."""
+    v = gaussian.SIZES[:, None] * sigma
+    return np.asarray(gaussian.WEIGHTS @ (load(v) * v) / sigma**2)
 
 
 def _across(case: Case, axes: np.ndarray, wrench: np.ndarray) -> np.ndarray:
@@ -80,7 +86,8 @@ def _beyond_gaussian(case: Case, load: Load, rates: np.ndarray, excess: np.ndarr
     excess of kurtosis (nj,)."""
     fastest = gaussian.spread(rates) * warped(gaussian.peak(rates, case.process), excess)
     told = gaussian.spread(loads) * gaussian.peak(loads[: case.omega.size], case.process)
-    return np.asarray((load(fastest[None])[0] / told) ** 2 - 1)
+    largest = load(fastest[None])[0]
+    return np.asarray(np.divide(largest, told, out=np.ones(told.size), where=told > 0) ** 2 - 1)
 
 
 def _alike(y: np.ndarray, loads: np.ndarray) -> np.ndarray:
