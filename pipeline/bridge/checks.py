@@ -18,7 +18,6 @@ from pipeline.study import seas
 from pipeline.study.axes import Axes, Axis
 from pipeline.study.layout import HINGE
 from pipeline.study.schema import StudyFile
-from pipeline.study.seas import Still
 from pipeline.study.settings import RULES
 from pipeline.study.tables import Same
 from pipeline.study.words import told
@@ -150,10 +149,14 @@ def _some(labels: Sequence[Label]) -> Sequence[Label]:
     return labels[:: 1 + len(labels) // MOST_TRIED]
 
 
+def _waves(study: StudyFile) -> bool:
+    """Whether any sea has some."""
+    return any(not isinstance(sea, seas.Still) for sea in study.seas.values())
+
+
 def _recording(study: StudyFile) -> Iterator[InputError]:
     record = study.record
-    waves = any(not isinstance(sea, seas.Still) for sea in study.seas.values())
-    if waves and record.ramp > record.discard and study.solver.method == "time":
+    if _waves(study) and record.ramp > record.discard and study.solver.method == "time":
         usual = "" if "ramp" in record.model_fields_set else ", as it is where none is given"
         yield InputError("record.ramp", record.ramp, f"must be <= record.discard = {record.discard:g} s{usual}")
     if (steel := [name for name in record.outputs if name in OF_STEEL]) and not study.platform:
@@ -218,8 +221,7 @@ def _scenes(study: StudyFile) -> Iterator[InputError]:
     from solver.sea.realization import Realization
 
     omega = np.array([sea_checks.highest_frequency(study)])
-    height = 0.0 if all(isinstance(sea, Still) for sea in study.seas.values()) else 1e-9
-    shortest = Realization(omega=omega, amplitude=np.array([height + 0j]))
+    shortest = Realization(omega=omega, amplitude=np.array([1e-9 * _waves(study) + 0j]))
     fixed = _as_it_is(study)
     for labels in _configurations(fixed):
         yield from objections(partial(scenes.scene, cell(fixed, labels, ()).parameters, shortest))

@@ -25,6 +25,7 @@ from solver.record.beside import radiating
 ORDERS = 99  # of terms without a jump: those of a kink fall with k**-3.5
 GRID = (np.arange(8000) + 0.5) * 1e-3  # rates over their std
 OFTEN, SELDOM = 16, 4  # samples of the fastest wave's period; of the fastest line's above the waves
+FASTEST = 40.0  # times the fastest wave's frequency, up to which lines and modes are looked at
 PERIODS = 20.0  # of the slowest wave, in which R is looked at, less and less
 # Frequencies below the waves, and from there to above them, by their logarithms, and more of them about any resonance.
 EVEN, ABOVE, EACH = 60, 120, 24
@@ -48,11 +49,9 @@ def slow_motions(
     radiated = radiating(case.system, case.hydrodynamics, own, shapes)[1]
     B = np.einsum("mi,ij,mj->m", shapes, model.damping + damping, shapes) + radiated
     at, width = parts(least, highest, EVEN, own, np.maximum(B / 2, NARROW * own))
-    Z = model.dynamic_stiffness(at, case.impedance_at(at)) - 1j * at[:, None, None] * damping
-    moved = np.linalg.solve(Z, np.eye(n)[:, axes])
-    power = np.sum(
-        (moved @ spectrum(load, rates, case.omega, at, highest, OFTEN * case.waves.max())) * moved.conj(), axis=2
-    )
+    moved = case.driven(at, np.broadcast_to(np.eye(n)[axes], (at.size, axes.size, n)), damping)[0].swapaxes(1, 2)
+    S = spectrum(load, rates, case.omega, at, highest, OFTEN * case.waves.max())
+    power = np.sum((moved @ S) * moved.conj(), axis=2)
     return at, np.sqrt(2 * width * power.real.T.clip(min=0.0)).astype(complex)
 
 
@@ -68,15 +67,13 @@ def parts(low: float, high: float, even: int, own: np.ndarray, half: np.ndarray)
     return 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
 
 
-def lines(
-    case: Case, load: Load, rates: np.ndarray, damping: np.ndarray, fastest: float
-) -> tuple[np.ndarray, np.ndarray]:
+def lines(case: Case, load: Load, rates: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """ω (ne,), and at each nj lines of what is left of loads at rates (nl, nj) of a sea, (ne, nj, nj), loads last.
 
-    They go together as the loads do, if a platform or a float bears several of these. From below the waves to so many
-    times their fastest, dense about resonances, with further damping (n, n).
+    They go together as the loads do, if a platform or a float bears several of these. From below the waves to FASTEST
+    times theirs, dense about resonances, with further damping (n, n).
     """
-    model, scene, (slowest, highest) = case.model, case.system.scene, (case.waves.min(), fastest * case.waves.max())
+    model, scene, (slowest, highest) = case.model, case.system.scene, (case.waves.min(), FASTEST * case.waves.max())
     square, shapes = eigh(model.stiffness, model.mass)
     own = np.sqrt(square.clip(min=0.0))
     half = np.maximum(np.sum(shapes * ((model.damping + damping) @ shapes), axis=0) / 2, NARROW * own)
@@ -108,7 +105,7 @@ def spectrum(
     low, half = place.astype(int), np.zeros((at.size, nj, nj), complex)
     window = (0.5 * step / np.pi * (1 + np.cos(np.pi * np.arange(count) / count)))[:, None]
     window[0] /= 2
-    i, j = np.indices((nj, nj))[:, np.eye(nj, dtype=bool) if apart else np.full((nj, nj), True)]
+    i, j = np.nonzero(np.eye(nj) if apart else np.ones((nj, nj)))
     V, terms = rates / gaussian.spread(rates), _terms(load, gaussian.spread(rates))
     for some in np.array_split(np.arange(i.size), -(-i.size // PAIRS)):
         a, b = i[some], j[some]

@@ -62,6 +62,11 @@ def rate_lines(case: Case, response: Response) -> np.ndarray:
     return -1j * response.omega[:, None] * joint_lines(case, response)
 
 
+def mean_forces(case: Case, response: Response) -> np.ndarray:
+    """Of the joints (nb, 3)."""
+    return case.channels.hinge_force((case.loads_at_rest[1] + response.mean.wrench)[None])[0]
+
+
 def tables_of(process: gaussian.Process, outputs: list[Output]) -> dict[str, np.ndarray]:
     """Statistics of outputs, all at once."""
     if not outputs:
@@ -167,7 +172,7 @@ def _electrical(
 def outputs(case: Case, response: Response) -> Iterator[Output]:
     """Of all that goes with the waves but a platform's."""
     system, channels, mean = case.system, case.channels, response.mean
-    scene, still = system.scene, case.loads_at_rest[1] + mean.wrench
+    scene = system.scene
     z = system.equilibrium[0] + case.model.shape @ mean.x
     yield ELEVATION, np.zeros(()), case.amplitude
     if scene.floats:
@@ -182,7 +187,7 @@ def outputs(case: Case, response: Response) -> Iterator[Output]:
             k = np.concatenate([f.per_axis("pto_stiffness") for f in scene.floats])
             level, lines = channels.by_axis(-(k * z[nc:])[None])[0], channels.by_axis(-(pto * rates + k * joints))
             yield "pto_force", level, lines
-        yield "hinge_force", channels.hinge_force(still[None])[0], channels.hinge_force(response.wrench)
+        yield "hinge_force", mean_forces(case, response), channels.hinge_force(response.wrench)
         if channels.lines:
             yield "line_tension", channels.line_tension(system.bodies, z[None])[0], response.Z @ slopes(case, z)
 

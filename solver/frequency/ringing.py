@@ -12,14 +12,13 @@ import numpy as np
 from solver.frequency import gaussian, left
 from solver.frequency.bent import Load, rate_load
 from solver.frequency.case import Case
-from solver.frequency.outputs import Forces, Rung, rate_lines
+from solver.frequency.outputs import Forces, Rung, mean_forces, rate_lines
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 from solver.scene import DOFS
 
-FASTEST = 40.0  # times the fastest wave's frequency, up to which modes are looked at
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
 HARMONICS = np.arange(3, gaussian.PHASES // 4, 2)
 BY_DRAG = np.arange(2, 13)  # in a current even ones, too; of those above accelerations have a hundredth
@@ -38,7 +37,7 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
         numbers = np.union1d(HARMONICS if axes.size else BY_DRAG, BY_DRAG if dragged else HARMONICS)
         omega, force = numbers * of.omega[0], _harmonics(numbers, load(gaussian.one_period(moved)))[:, None]
     else:
-        omega, force = left.lines(case, load, moved, response.damping, FASTEST)
+        omega, force = left.lines(case, load, moved, response.damping)
     many, at = force.shape[1], np.repeat(omega, force.shape[1])
     pushed = np.zeros((omega.size, many, len(model.mass)), complex)
     pushed[..., nm + axes] = -force
@@ -58,7 +57,7 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
     X = np.concatenate([response.X[:, :nm], X.reshape(at.size, -1)[:, :nm]])
     frame = frame._replace(lines=np.concatenate([frame.lines, borne.reshape(at.size, borne.shape[2])]))
     forces = np.concatenate([channels.hinge_force(response.wrench), joints.reshape(at.size, *joints.shape[2:])])
-    mean = channels.hinge_force((case.loads_at_rest[1] + response.mean.wrench)[None])[0]
+    mean = mean_forces(case, response)
     loads = np.concatenate([moved * _linear(load, gaussian.spread(moved)), force.reshape(at.size, -1)])
     if one:
         return Rung(process, X, frame, gaussian.table(mean, forces, process), *_of_steel(case, frame, loads, None))

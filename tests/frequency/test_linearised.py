@@ -299,7 +299,7 @@ def test_arms_that_friction_holds_do_not_turn():
 
 @pytest.mark.parametrize("count", [2, 3])
 def test_friction_s_power_in_a_few_waves_varies_as_their_sum_does(count):
-    """Far from a Gaussian rate's, of which two equal waves' has half of the std."""
+    """It goes by the rate's size, and not as a square, of which few waves leave less."""
     item, h = given(flap, {"coulomb": 3e4}, one=False)
     few = components(amplitude=[0.05] * count, omega=[1.1, 1.31, 1.57][:count], phase=[0.0] * count)
     item = replace(item, sea=replace(few, known=False))
@@ -309,7 +309,7 @@ def test_friction_s_power_in_a_few_waves_varies_as_their_sum_does(count):
 
 @pytest.mark.parametrize(("law", "most"), [({"coulomb": 2e4}, 1.2), ({"quadratic_damping": 3e8}, 1.5)])
 def test_largest_forces_of_joints_go_by_what_loads_they_have(law, most):
-    """Friction's are cut off, quadratic damping's are more than Gaussian ones, of which lines have two thirds."""
+    """Friction's are cut off, quadratic damping's are more than Gaussian ones."""
     item, h = given(flap, law, one=False)
     item = replace(item, settings=replace(item.settings, duration=7200.0))
     march, lines = (x.variables["hinge_force"][1][0, 0] for x in (simulate(item, h), by_lines(item, h)))
