@@ -207,6 +207,7 @@ def _run(
         *(() if settling else left_over(system, hydrodynamics)),
         *drifting(system, hydrodynamics, recorder.settling, channels, tables),
         *from_rest(system, hydrodynamics),
+        *probe.notes(recorder),
         *above(scene, tables, attrs["estimated_error"], attrs["stored_energy_change"]),
         *cautions(hydrodynamics),
         *doubted,

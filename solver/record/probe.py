@@ -1,7 +1,7 @@
 """What a run is judged by, from its start: the same again with half the step, or with finer parts."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -155,6 +155,16 @@ class Probe:
             parts = {**self.errors(hydrodynamics), "memory_effect": max(effect, bounces)}
             del parts["estimated_error"]
             self._errors = {**parts, "estimated_error": together(parts.values())}
+
+    def notes(self, recorder: Recorder) -> Iterator[str]:
+        """A sentence where stops are met after what has been judged, and no tolerance asks for judging that."""
+        hits, judged = (int(each.contact[:, HITS].sum()) for each in (recorder, self.recorder))
+        if hits > judged and not self.rest and self.system.scene.settings.tolerance is None:
+            yield (
+                f"end stops are met {hits} times, and the step is judged by the first of them alone: where floats hang"
+                " about between hits, as where they would tip over, discretization_error may be many times as much;"
+                " with a tolerance all of them are judged"
+            )
 
     def _of_bounces(self, recorder: Recorder, h: Hydrodynamics | None) -> float:
         system, hits = self.system, recorder.contact[:, HITS]

@@ -216,6 +216,19 @@ def test_a_run_that_meets_a_stop_late_is_judged_from_there():
     assert loads[0] == approx(loads[1], rel=0.01)
 
 
+def test_hits_after_what_is_judged_are_told_without_a_tolerance(buan, coefficients):
+    def told(reach, **settings):
+        item = buan.scene("fixed", duration=120.0, **settings)
+        stops = EndStops(lower=-reach, upper=reach, stiffness=2e6, damping=2e4)
+        record = simulate(replace(item, floats=tuple(replace(f, end_stops=stops) for f in item.floats)), coefficients)
+        hits = int(record.variables["end_stop_hits"][1].sum())
+        return hits, f"end stops are met {hits} times" in record.attrs.get("warnings", "")
+
+    hits, by_the_first = told(0.1)
+    assert hits > 10 and by_the_first
+    assert told(0.9) == (0, False) and told(0.1, tolerance=3e-2)[1] is False
+
+
 @pytest.mark.slow
 def test_what_hits_do_between_samples_is_in_the_record():
     """The long steps of a big float's waves beside a small one on its stops; short ones have all in their samples.
