@@ -26,14 +26,17 @@ def read(file: Attachment, _density: float, _gravity: float) -> Given:
             raise ValueError("has coefficients of bodies that sail, forward_speed is not 0: floats are at rest here")
         counted = next((d for d in FREQUENCIES if d in data.dimensions), "omega")
         omega = np.atleast_1d(np.asarray(data["omega"][:], float))
-        labels, radiating = _labels(data, "influenced_dof"), _labels(data, "radiating_dof")
-        rank = np.array([radiating.index(label) for label in labels])
+        felt, radiating = _labels(data, "influenced_dof"), _labels(data, "radiating_dof")
+        labels = [label for label in felt if label in radiating]  # it may have been asked for some motions' waves alone
+        if not labels:
+            raise ValueError(f"radiates {', '.join(radiating)} and has loads along {', '.join(felt)} alone")
+        rows, rank = (np.array([of.index(label) for label in labels]) for of in (felt, radiating))
         A, B = (
-            _ordered(data, name, (counted, "influenced_dof", "radiating_dof"))[:, :, rank]
+            _ordered(data, name, (counted, "influenced_dof", "radiating_dof"))[:, rows[:, None], rank]
             for name in ("added_mass", "radiation_damping")
         )
         scattered, incident = (
-            _ordered(data, name, (counted, DIRECTION, "influenced_dof"))
+            _ordered(data, name, (counted, DIRECTION, "influenced_dof"))[..., rows]
             for name in ("diffraction_force", "Froude_Krylov_force")
         )
         columns, bodies = _columns(labels, _labels(data, "body") if "body" in data.variables else [])

@@ -20,7 +20,7 @@ from solver.hydrodynamics.hull.mesh import Hull
 LONG = 0.5  # ka of waves that are long; up to twice that where there are no longer ones
 FELT = 0.02  # of the largest force on a body: of less the phase is not judged
 NEAR = 0.1  # of the force of long waves: how far off that told may be,
-NEARLY = 0.5  # and √n of it times (ka)², of n bodies; ka besides of what others scatter
+NEARLY = 0.5  # and √n of it times (ka)² of it or of its parts, of n bodies; ka besides of what others scatter
 PISTON = 0.7  # of the frequency of water in a well, (g/draft)^½: slower waves do not make it swing
 STILL = 1e-6  # of the largest motion through the hull's surface: less is none
 
@@ -113,17 +113,19 @@ def _off(
     """How far a force (nw, 6 nb) is from that of long waves, over how far it may be, and where most: row, column.
 
     The largest body counts, how many there are, and what the others scatter, of each (nw, 6 nb, nb). Forces that are
-    small on their body are judged beside the others in plan, or all: a turn makes one of another. swinging (nw, nb):
-    where heave is not judged.
+    small on their body are judged beside the others in plan, or all: a turn makes one of another. Where a force is
+    small because its parts cancel, as the heave on a spar with a plate at some frequency, what goes with (ka)² is of
+    these. swinging (nw, nb): where heave is not judged.
     """
     nb = len(floats.hulls)
     ka = k[:, None, None] * max(h.size for h in floats.hulls)
-    away, size = (np.abs(x).reshape(len(k), nb, 6)[..., :3] for x in (told - fits, fits))
+    incident = fits - each.sum(axis=2)
+    away, size, part = (np.abs(x).reshape(len(k), nb, 6)[..., :3] for x in (told - fits, fits, incident))
     others = np.einsum("wbij,bj->wbi", np.abs(each).reshape(len(k), nb, 6, nb), 1 - np.eye(nb))[..., :3]
     largest, level = size.max(axis=2, keepdims=True), np.linalg.norm(size[..., :2], axis=2, keepdims=True)
     size = np.where(size > FELT * largest, size, np.concatenate([level, level, largest], axis=2))
     judged = (size > FELT * largest) & (np.abs(told).max(axis=0).reshape(1, -1, 6)[..., :3] > 0)
-    may = (NEAR + NEARLY * np.sqrt(nb) * ka**2) * size + ka * others
+    may = NEAR * size + NEARLY * np.sqrt(nb) * ka**2 * np.maximum(size, part) + ka * others
     judged[..., 2] &= ~swinging
     off = np.where(judged, away / np.where(judged, may, 1.0), 0.0)
     row, b, d = np.unravel_index(off.argmax(), off.shape)

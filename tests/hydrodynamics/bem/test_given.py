@@ -286,6 +286,22 @@ def test_a_heave_plate_is_known_by_the_water_that_it_accelerates():
     refused(backwards, match="other sign of time", **SPAR, **SEA)
 
 
+def test_a_force_whose_parts_cancel_is_judged_by_these():
+    """The heave of waves of 0.88 rad/s on this plate and its column."""
+    stout = Revolution.profile([[3.0, -6.0], [3.0, -5.0], [1.5, -5.0], [1.5, 2.0]])
+    one = SPAR | {"hulls": (stout,)}
+    h = solve(one["hulls"], one["centres"], **SEA, omega=np.linspace(0.4, 3.2, 57), planar=False, panels=108)
+    heave = (h.diffraction + h.froude_krylov)[:, 2]
+    least = np.argmin(np.abs(heave[:20]))
+    assert abs(heave[least]) < 0.1 * abs(h.froude_krylov[least, 2])
+    same(taken(told(h), **one, **SEA), h)
+    refused(
+        told(h, excitation=h.froude_krylov[:, None]), match="force", **one, **SEA
+    )  # that of the incident wave alone
+    lighter = told(h, added_mass=0.8 * h.added_mass, added_mass_inf=0.8 * h.added_mass_inf)
+    refused(lighter, match="added mass", **one, **SEA)
+
+
 def test_negative_damping_that_changes_no_answer_is_taken_as_none_and_told():
     """As panels of a heave plate too coarse have it; not of what matters, nor what is of the other sign."""
     h, heave = plate(), (slice(None), 2, 2)

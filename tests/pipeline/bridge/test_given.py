@@ -302,7 +302,7 @@ def test_every_format_reads_back_what_was_written(ours, tmp_path):
     wamit_out(tmp_path / "told.out", ours, water=f"Water density: {RHO}")
     (tmp_path / "own.nc").write_bytes(cache.encode(ours, "key"))
     for name in ("pair.nc", "pair.h5", "pair.out", "own.nc"):
-        given = reading.read(attached(tmp_path / name), RHO, G)
+        given = reading.read(run_of(tmp_path / name), RHO, G)
         close(given, ours, rel=1e-6)
         assert given.points == pytest.approx(CENTRES), name
         if name in ("pair.h5", "pair.out"):
@@ -447,6 +447,22 @@ def test_nemohs_files_are_read_with_the_point_that_bodies_turn_about(ours, tmp_p
         for name in ("added_mass", "radiation_damping", "diffraction"):
             value, expected = getattr(whole, name), getattr(ours, name)
             assert np.abs(value - expected).max() <= 1e-6 * np.abs(expected).max(), name
+
+
+def test_capytaine_may_be_asked_for_the_waves_of_some_motions_alone(ours, tmp_path):
+    """Loads along the others it gives all the same."""
+    kept = np.array([0, 2, 4, 6, 8, 10])
+    capytaine_file(tmp_path / "kept.nc", ours, kept=kept)
+    capytaine_file(tmp_path / "whole.nc", ours)
+    some = xr.load_dataset(tmp_path / "whole.nc", decode_cf=False).isel(radiating_dof=kept[::-1])
+    some.to_netcdf(tmp_path / "some.nc")
+    one, other = (reading.read(run_of(tmp_path / name), RHO, G) for name in ("kept.nc", "some.nc"))
+    assert one.columns == other.columns and len(one.columns) == 6
+    for name in ("added_mass", "radiation_damping", "excitation", "froude_krylov", "added_mass_inf"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+    some.isel(radiating_dof=[0], influenced_dof=[1]).to_netcdf(tmp_path / "none.nc")
+    with pytest.raises(InputError, match="radiates rear__Pitch and has loads along front__Sway alone"):
+        reading.read(run_of(tmp_path / "none.nc"), RHO, G)
 
 
 def test_what_capytaine_exports_in_nemohs_form_is_read(ours, tmp_path):
