@@ -77,7 +77,8 @@ def power_error(law: JointLaw, sigma: np.ndarray, kappa: np.ndarray) -> float:
 
     By Gram and Charlier's series κ makes a linear load's (1 + κ/2)^½ of what it is. Of that change, as much as of what
     linear damping leaves of the loads is beyond the third order, 1 - 3! a₃²σ⁶/⟨(f - cv)²⟩: 0.06 of it by quadratic
-    dampers, 0.71 by friction.
+    dampers, 0.71 by friction. And κ is of first order in a₃: what bounds it below, a share of κ/2 of it, is what a
+    positive one may lack.
     """
     x = gaussian.SIZES[:, None]
     rates = x * sigma
@@ -88,7 +89,8 @@ def power_error(law: JointLaw, sigma: np.ndarray, kappa: np.ndarray) -> float:
     usual = _variance(gaussian.WEIGHTS[:, None], power)
     more = _variance(density(kappa), power)
     ratio = np.divide(more, usual, out=np.ones(usual.size), where=usual > 0)
-    return float((beyond * np.abs(np.sqrt(ratio.clip(min=0.0)) - 1)).max(initial=0.0))
+    unknown = np.minimum(beyond + kappa.clip(min=0.0) / 2, 1.0)
+    return float((unknown * np.abs(np.sqrt(ratio.clip(min=0.0)) - 1)).max(initial=0.0))
 
 
 def _variance(weight: np.ndarray, power: np.ndarray) -> np.ndarray:

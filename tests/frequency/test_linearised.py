@@ -12,6 +12,7 @@ from solver.frequency.response import respond
 from solver.frequency.shape import excess
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.multibody.linearised import EVEN, GAUSSIAN, rest
+from solver.power_takeoff import PtoTable
 from solver.record.probe import UNTOLD
 from solver.run import simulate
 from solver.scene import Float
@@ -104,9 +105,10 @@ def cylinder():
     return whole, known(whole, 2.5, 20.0, 40)
 
 
+EASING = PtoTable(velocity=(0.0, 0.0045, 0.018, 0.054, 0.134), force=(0.0, 2.4, 6.4, 11.2, 14.4))
 SMALL = [
     *({"pto_damping": 20.0, "force_limit": limit} for limit in (0.2, 0.4, 0.8, 1.6)), damped(5.0, coulomb=0.3),
-    *({"pto_damping": 2.0, "quadratic_damping": drag} for drag in (15.0, 60.0, 240.0)),
+    *({"pto_damping": 2.0, "quadratic_damping": drag} for drag in (15.0, 60.0, 240.0)), {"pto_table": EASING},
 ]  # fmt: skip
 
 
