@@ -138,4 +138,9 @@ def _irregular(six: Given, floats: Floats, moved: np.ndarray, wrong: np.ndarray)
     span = f"{at[0]:.4g}" if len(at) == 1 else f"{len(at)} of them, {at[0]:.4g} to {at[-1]:.4g}"
     if not _sloshes(at[-1], floats):
         return f", or are thin parts, as a heave plate, in too few panels ({span} rad/s)"
+    wells = " and ".join(
+        name for name, hull in zip(floats.names, floats.hulls, strict=True) if hull.waterplane_width < np.inf
+    )
+    if wells:
+        return f", or does water slosh in the well of {wells} ({span} rad/s), without which a file is taken"
     return f", or are there irregular frequencies ({span} rad/s), which a lid inside the hull takes away"

@@ -802,10 +802,17 @@ def test_moments_may_be_about_a_point_that_is_told_far_off():
 def test_heave_of_a_ring_in_whose_well_water_swings_is_not_judged():
     """Waves are long there, and yet what they exert is far from what a body without a well feels."""
     well = ring(((3.0, -12.0), (5.0, -12.0), (5.0, 3.0), (3.0, 3.0)))
-    omega = np.arange(0.5, 1.5, 0.11)
+    omega = np.append(np.arange(0.5, 1.5, 0.11), 2.4)
     h = bem.solve((well,), [[0, 0, 0]], **SEA, omega=omega, planar=True, panels=400)
     given = told(h, bodies=("",), columns=tuple((0, dof) for dof in PLANAR))
     seen = adopted(given, (well,), np.zeros((1, 3)), ("ring",), **SEA, planar=True, memory=False)
+    spikes = given.radiation_damping.copy()
+    spikes[-1, 0, 0] *= -1
+    with pytest.raises(InputError, match="does water slosh in the well of ring"):
+        adopted(
+            replace(given, radiation_damping=spikes), (well,), np.zeros((1, 3)), ("ring",), **SEA, planar=True,
+            memory=False,
+        )  # fmt: skip
     assert np.abs(seen.diffraction - h.diffraction).max() < 1e-9 * np.abs(h.diffraction).max()
 
 
