@@ -12,7 +12,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem import agreement, bem, radiated
 from solver.hydrodynamics.bem.adopted import _between, _lacking, _left_out, adopted
 from solver.hydrodynamics.bem.coefficients import DOFS, PLANAR, cautions
-from solver.hydrodynamics.bem.exerted import Floats
+from solver.hydrodynamics.bem.exerted import Floats, in_long_waves
 from solver.hydrodynamics.bem.given import Given, turned
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import froude_krylov
@@ -1171,6 +1171,7 @@ def test_a_force_that_is_what_another_body_scatters_is_known(heading, dof):
     floats = Floats(hulls, at, at, NAMES, Sea(density=1025.0, gravity=9.81, **water))
     given = told(right, points=at)
     agreement.agreed(given, floats, right.froude_krylov)
+    assert in_long_waves(given, floats, right.froude_krylov).off < 0.3
     for factor in (-1.0, 3.0):
         wrong = given.excitation.copy()
         wrong[..., 6 + dof] *= factor
