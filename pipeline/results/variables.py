@@ -64,7 +64,7 @@ VARIABLES = {
     "node_acceleration": Meaning("m s-2", "Acceleration of the platform's node"),
     "bottom_stress": Meaning("Pa", "Stress of the most compressive fibre at the bottom of the leg"),
     "displacement_envelope": Meaning("m", "Largest absolute displacement along the leg"),
-    "stress_envelope": Meaning("Pa", "Largest absolute stress along the leg"),
+    "stress_envelope": Meaning("Pa", "Largest size of a stress in the section along the leg, |N/A| + |M|c/I"),
     "reaction_force": Meaning("N", "Force of the ground on the foot, weight and static loads included"),
     "reaction_moment": Meaning(
         "N m", "Moment of the ground on the foot, or of soil about where its member enters the seabed"

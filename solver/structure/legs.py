@@ -126,19 +126,18 @@ def _respond(
         axial, about_y, about_z = fibre[i, 0], fibre[i, 1], fibre[i, 2]
         for j in range(stress.size):
             bending = np.sqrt((about_y[j] + static[1, j]) ** 2 + (about_z[j] + static[2, j]) ** 2)
-            _take(bending - axial[j] - static[0, j], j, smooth[i], stress, last_stress)
+            _take(bending + abs(axial[j] + static[0, j]), j, smooth[i], stress, last_stress)
 
 
 @fast_lean_kernel(inline="always")
 def _take(new: float, j: int, smooth: bool, largest: np.ndarray, last: np.ndarray) -> None:
-    """Raise largest[j] to a sample's size, or, where smooth, to the vertex of the parabola through it and two before.
+    """Raise largest[j] to a sample, or, where smooth, to the vertex of the parabola through it and two before.
 
-    The vertex lies above the middle sample by an eighth at most. Where that is negative, stress in tension, there is no
-    such: its size has a corner where the moment passes zero.
+    None is negative, and the vertex lies above the middle sample by an eighth at most.
     """
     older, old = last[0, j], last[1, j]
     last[0, j], last[1, j] = old, new
-    largest[j] = max(largest[j], abs(new))
+    largest[j] = max(largest[j], new)
     if smooth and 1.125 * old > largest[j]:
         largest[j] = max(largest[j], vertex(older, old, new))
 
