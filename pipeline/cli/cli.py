@@ -141,7 +141,7 @@ def run(
         paths = actions.refresh(study, store)
     tally = Tally.of(looked(tasks, store), told)
     actions.print_table(study, paths[0])
-    what = [f"{len(todo)} run now" if todo else "nothing to run"]
+    what = [f"{len(todo) - tally.counts['missing']} run now" if todo else "nothing to run"]
     if len(tasks.unique) < (whole := len(study.tasks.unique)):
         collected = Tally.of(looked(study.tasks.unique, store)).counts["done"]
         what.append(f"table of all {collected} that are done of the study's {whole}")

@@ -93,7 +93,7 @@ def _quantities(data: xr.Dataset) -> Iterator[tuple[str, _Quantity]]:
     if "absorbed_power" in data and "wave_power" in data:
         each = powers(data, "absorbed_power").compute()
         carried = over_seas(realized(data, data["wave_power"]), data).sel(estimate="value", drop=True)
-        words = "Width of the waves' crests that carries the mean absorbed power"
+        words = "Width of the waves' crests whose mean wave power is the mean absorbed power"
         yield "capture_width", _Quantity(each / carried, "m", words)
     for variable, end in AT.items():
         if variable in data:

@@ -10,6 +10,7 @@ import numpy as np
 from pipeline.report.drawing import PAPER, canvas, colour
 from pipeline.report.figures import Results
 from pipeline.report.report import first_platform
+from pipeline.results.variables import axis_units, meaning
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,24 +33,25 @@ def dashes(results: Results) -> bool:
 def responses(results: Results) -> Figure | None:
     """Response per wave amplitude and coherence; the frequency domain as dashed lines where a study has both."""
     methods = [{METHOD: label} for label in results.labels(METHOD)] or [{}]
-    known = [name for name in OUTPUTS if results.has(f"{name}_response")]
-    shown = [name for name in known if any(_largest(results, name, at) for at in methods)][:PANELS]
+    known = [(name, axes) for name in OUTPUTS if results.has(f"{name}_response") for axes in _alike(results, name)]
+    shown = [each for each in known if any(_largest(results, *each, at) for at in methods)][:PANELS]
     if not shown:
         return None
     figure = canvas(9.0, 4.6)
     grid = figure.subplots(2, len(shown), sharex=True, squeeze=False, height_ratios=[3, 1])
-    for name, (upper, lower) in zip(shown, grid.T, strict=True):
+    for (name, along), (upper, lower) in zip(shown, grid.T, strict=True):
         for at in methods:
             theory = at.get(METHOD) == "frequency" and len(methods) > 1
             style: dict[str, Any] = {"linestyle": "--", "color": PAPER, "linewidth": 0.9} if theory else {}
             omega, bands = _bands(results, at)
-            for i, (words, place) in enumerate(_largest(results, name, at)):
+            for i, (words, place) in enumerate(_largest(results, name, along, at)):
                 look = {"color": colour(i), "linewidth": 1.6} | style
                 label = None if theory else words
                 values = (_part(results, f"{name}_{kind}", at).sel(place) for kind in ("response", "coherence"))
                 for axes, numbers in zip((upper, lower), values, strict=True):
                     axes.plot(omega[bands], numbers.values[bands], label=label, **look)
-        unit = results.data[f"{name}_response"].attrs.get("units", "")
+        response = f"{name}_response"
+        unit = results.data[response].attrs.get("units") or meaning(response, along).get("units", "")
         upper.set_title(name.replace("_", " ") + (f" [{unit}]" if unit else ""))
         if upper.get_legend_handles_labels()[0]:
             upper.legend(frameon=False)
@@ -58,6 +60,15 @@ def responses(results: Results) -> Figure | None:
         lower.set_xlabel("frequency [rad/s]")
     grid[1][0].set_ylabel("coherence")
     return figure
+
+
+def _alike(results: Results, name: str) -> list[list[str]]:
+    """Axes of a joint along which an output's response has one unit; none where it is along no axis."""
+    data = results.data
+    if "axis" not in data[f"{name}_response"].dims:
+        return [[]]
+    units, labels = axis_units(data["axis"].values.tolist()), data["axis"].values.tolist()
+    return [[label for label, own in zip(labels, units, strict=True) if own == unit] for unit in dict.fromkeys(units)]
 
 
 def _part(results: Results, variable: str, at: dict[str, Any]) -> xr.DataArray:
@@ -76,9 +87,11 @@ def _bands(results: Results, at: dict[str, Any]) -> tuple[np.ndarray, np.ndarray
     return _part(results, "band_frequency", at).values, waves > FAINT * np.nanmax(waves, initial=0.0)
 
 
-def _largest(results: Results, name: str, at: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
-    """Words and labels of the components that respond most; what has no numbers, as a carrier's rotation, does not."""
+def _largest(results: Results, name: str, along: list[str], at: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """Words and labels of the components that respond most, of these axes; what has no numbers, as a carrier's
+    rotation, does not."""
     values = _part(results, f"{name}_response", at)
+    values = values.sel(axis=along) if along else values
     inner = [str(dim) for dim in values.dims if dim != BAND]
     size = values.where(_bands(results, at)[1]).max(BAND).fillna(0.0)
     places = [dict(zip(inner, labels, strict=True)) for labels in product(*(values[d].values.tolist() for d in inner))]

@@ -20,8 +20,8 @@ NAUGHT = 1e-6  # share of the largest below which a component is zero but for ro
 
 
 def directions(results: Results) -> list[str]:
-    """Components of the hinge force that are not zero: a planar scene has no y force."""
-    values = results.values(FORCE)
+    """Components of the hinge force that are not zero in what is shown: a planar scene has no y force."""
+    values = results.values(FORCE, **results.first)
     largest = {d: float(np.abs(finite(values.sel(direction=d))).max(initial=0.0)) for d in results.labels("direction")}
     return [d for d, size in largest.items() if size > NAUGHT * max(largest.values())]
 

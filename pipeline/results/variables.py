@@ -273,9 +273,13 @@ def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
 
 def _spectral(of: dict[str, str], pattern: str, words: str) -> dict[str, str]:
     """Attributes of an output's spectrum and the like, from the output's own; without units where that has none."""
-    own = of.get("units", "")
-    squared = f"({own})" if " " in own and pattern.startswith("{}2") else own
-    units = {"units": pattern.format(squared)} if own or "{}" not in pattern else {}
+    own, rest = of.get("units", ""), pattern.removeprefix("{}2")
+    if own == "1" and rest != pattern:  # "12" would be twelve
+        units = {"units": rest.strip() or "1"}
+    elif own or "{}" not in pattern:
+        units = {"units": pattern.format(f"({own})" if " " in own and rest != pattern else own)}
+    else:
+        units = {}
     return {**units, "long_name": f"{words}: {of['long_name']}"}
 
 

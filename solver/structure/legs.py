@@ -29,7 +29,7 @@ class Largest(NamedTuple):
     stress: np.ndarray  # (ne 2,) magnitude [Pa]
     relieved: np.ndarray  # (no,) the most compressive fibres' stress at the feet [Pa]
     last_square: np.ndarray  # (2, nn) the last two samples
-    last_stress: np.ndarray  # (2, ne 2) of compression
+    last_stress: np.ndarray  # (2, ne 2)
     last_feet: np.ndarray  # (2, no, 3)
 
 
@@ -86,9 +86,9 @@ class Legs:
         return np.tensordot(p, self.tops, axes=1)
 
     def enlarge(self, largest: Largest, p: np.ndarray, feet: np.ndarray, smooth: np.ndarray) -> None:
-        """Update `largest` by displacements and the stress of the most compressive fibres: see `compressive`.
+        """Update `largest` by displacements, sizes of stress and the most compressive fibres: see `compressive`.
 
-        At the feet that is of N/A, c My/Iy, c Mz/Iz (m, nl, 3) there; elsewhere of the nodes' displacements.
+        At the feet these are of N/A, c My/Iy, c Mz/Iz (m, nl, 3) there; elsewhere of the nodes' displacements.
         smooth (m,): see Statistics.add.
         """
         u, fibre, feet = _map(p, self.displacement), _map(p, self.fibre), feet[:, self.first]

@@ -736,6 +736,25 @@ def test_a_float_without_numbers_leaves_the_others_their_lines(results):
     assert responses(replace(results, data=bare.assign(added).drop_vars("rotation_response"))) is None
 
 
+def test_what_slides_and_what_turns_have_panels_of_their_own(results):
+    """However small a rotation's number is beside a translation's."""
+    dims, size = ("sea_state", "float", "axis", "frequency_band"), np.ones((2, 2, 3, 4))
+    size[:, :, 1] = 0.02
+    added = {
+        "motion_response": (dims, size),
+        "motion_coherence": (dims, np.ones(size.shape)),
+        "wave_elevation_spectrum": (("sea_state", "frequency_band"), np.ones((2, 4))),
+        "band_frequency": (("frequency_band",), np.linspace(0.5, 2.0, 4)),
+    }
+    bare = results.data[["status"]].assign_coords(float=["front", "rear"], axis=["surge", "pitch", "heave"])
+    figure = responses(replace(results, data=bare.assign(added)))
+    titles = {axes.get_title(): [line.get_label() for line in axes.lines] for axes in figure.axes[:2]}
+    assert titles == {
+        "motion [m m-1]": [f"{name}, {axis}" for name in ("front", "rear") for axis in ("surge", "heave")],
+        "motion [rad m-1]": ["front, pitch", "rear, pitch"],
+    }
+
+
 def test_figures_of_one_sea_are_of_one_that_designs_work_in(small, results):
     """Not of a storm with other settings, unless every sea is one."""
     assert results.sea == "rough"

@@ -15,7 +15,7 @@ from pipeline.bridge.loading import load
 from pipeline.results import dataset, records
 from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.results.store import Store
-from pipeline.results.variables import COORDINATES, KNOBS, OF_OUTPUTS, SERIES, VARIABLES
+from pipeline.results.variables import COORDINATES, KNOBS, OF_OUTPUTS, SERIES, VARIABLES, meaning
 from pipeline.running.campaign import Campaign
 from pipeline.running.place import Place
 from pipeline.study.settings import Recording
@@ -193,6 +193,18 @@ def test_the_one_table_names_all_that_runs_leave_and_nothing_else(real):
     with xr.open_dataset(real / "heave" / "statistics.nc") as data:
         told = [data[name].attrs.get("units") for name in ("motion_spectrum", "pto_force_response", "motion_coherence")]
         assert told == ["m2 s rad-1", "N m-1", "1"]
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("utilisation_m0", "1"), ("utilisation_m2", "rad2 s-2"), ("latched_spectrum", "s rad-1"),
+        ("utilisation_response", "1 m-1"), ("bottom_stress_m0", "Pa2"), ("pto_force_spectrum", "(N m)2 s rad-1"),
+        ("utilisation_coherence", "1"),
+    ],
+)  # fmt: skip
+def test_what_goes_with_an_output_has_its_unit_squared(name, unit):
+    assert meaning(name, ["pitch"])["units"] == unit
 
 
 def test_motion_along_an_axis_has_its_unit(real):
