@@ -540,6 +540,16 @@ def test_a_force_that_is_zero_is_not_shown(results):
     assert strips.hinge_forces(figures.Results(study=results.study, data=still)) is None
 
 
+def test_a_force_that_others_than_the_shown_tasks_have_is_not_shown(small):
+    """Their rounding would fill a panel."""
+    lines = "[variants.ahead]\n[variants.across]\nwaves.heading = 1.0"
+    varied = along_of(small, "variant", lines, variant=["ahead", "across"])
+    force = dataset().hinge_force
+    data = varied.data.assign(hinge_force=xr.concat([force, force], varied.data.variant))
+    data["hinge_force"].loc[{"variant": "across", "direction": "y"}] = 1.0
+    assert strips.directions(replace(varied, data=data)) == ["x", "z"]
+
+
 def test_published_numbers_choose_the_sea_state(results, tmp_path):
     path = tmp_path / "p.csv"
     path.write_text(f"{','.join(COLUMNS)}\nT,p,absorbed_power,sea_state=calm;platform=fixed;float=front,mean,2,kW,\n")
