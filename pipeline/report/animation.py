@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 ALONG = 240  # places at which the waves' surface is drawn
-LETTERS = 13  # of a title, an inch
+LETTERS = 11  # of a title, an inch
 SHADES = 256  # of a picture's colours, those of the first for all
 
 

@@ -88,7 +88,7 @@ def by_period(results: Results) -> Figure | None:
     if not results.has("rao", "wave_frequency") or len(results.labels("float")) < 2:
         return None
     sea = _widest(results)
-    rao, period = _at(results, "rao", sea), _periods(results, sea)
+    rao, period = _at(results, "rao", sea), 2 * np.pi / _at(results, "wave_frequency", sea).values
     moving = [axis for axis in rao.axis.values if rao.sel(axis=axis).notnull().any()] if "axis" in rao.dims else []
     if not moving or np.isfinite(period).sum() < 2:
         return None
@@ -115,15 +115,6 @@ def _at(results: Results, name: str, sea: str, **labels: Any) -> xr.DataArray:
     wanted = {"sea_state": sea, **results.first, **labels}
     values = values.sel({dim: label for dim, label in wanted.items() if dim in values.dims})
     return values.isel(seed=0) if "seed" in values.dims else values
-
-
-def _periods(results: Results, sea: str) -> np.ndarray:
-    """Of the waves of a sea (nc,) [s], NaN beyond them."""
-    frequency = results.data["wave_frequency"]
-    if "sea_state" in frequency.dims:
-        frequency = frequency.sel(sea_state=sea)
-    others = [dim for dim in frequency.dims if dim != "component"]
-    return np.asarray(2 * np.pi / frequency.max(others).values)
 
 
 def _widest(results: Results) -> str:
@@ -192,7 +183,10 @@ def q_by_period(results: Results, single: str, label: str) -> tuple[np.ndarray, 
         absorbed = [p for p in powers if p is not None and np.nanmax(p, initial=0.0) > 0]
         each.append((np.sum(absorbed, axis=0), len(absorbed)))
     (mine, count), (one, _) = each
-    period = _periods(results, sea)
+    frequency, others = (_at(results, "wave_frequency", sea, variant=variant).values for variant in (label, single))
+    if not np.array_equal(frequency, others, equal_nan=True):
+        return None
+    period = 2 * np.pi / frequency
     order = np.argsort(period)
     with np.errstate(divide="ignore", invalid="ignore"):
         return period[order], (mine / (count * one))[order]

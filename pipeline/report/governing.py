@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.report.yearly import Table, cells, counted, named, of_survivors, realized
+from pipeline.report.yearly import Counts, Table, cells, counts, failures, named, of_survivors, realized
 from pipeline.results.arrays import INNER
 from pipeline.results.variables import meaning
 
@@ -26,6 +26,7 @@ OF = (
 COMPONENTS = "axis", "direction", "force", "moment"
 SEVERAL = 8  # designs that have lines of their own; of more the largest has one
 NOTHING = 1e-6  # of a variable's largest: less of another component governs nothing
+SAME = 1e-6  # of the largest: by less no sea has more than others
 HEADER = ("", "largest of", "where", "in", "mean", "unit", "[least, largest]", "next in", "mean", "realizations")
 NOTE = (
     "Largest magnitude in a record, mean over realizations, of the place and the sea state where that is largest; in"
@@ -76,15 +77,19 @@ def _of_part(part: xr.DataArray, of: str) -> Iterator[str]:
     places = [dim for dim in mean.dims if dim != "sea_state"]
     by_sea = mean.max(places).fillna(-1.0)
     first, second = np.argsort(-by_sea.values, kind="stable")[:2]
-    known = int((by_sea >= 0).sum())
+    known, alike = int((by_sea >= 0).sum()), bool((by_sea >= (1 - SAME) * by_sea[first]).all())
     at: dict[Hashable, int] = {"sea_state": int(first)}
     at |= {dim: int(place) for dim, place in mean.isel(at).argmax(places).items()} if places else {}
     there = part.isel(at)
     yield ", ".join(named(dim, part[dim].values[at[dim]]) for dim in places if part.sizes[dim] > 1)
-    yield str(part["sea_state"].values[first]) + f" (of {known} among {by_sea.size})" * (known < by_sea.size)
+    sea = "any" if alike else str(part["sea_state"].values[first])
+    yield sea + f" (of {known} among {by_sea.size})" * (known < by_sea.size)
     yield f"{float(mean.isel(at)):.4g}"
     yield of
     low, high = (f"{float(end):.4g}" for end in (there.min(), there.max()))
     yield f"[{low}, {high}]" if low != high else ""
-    yield from (str(part["sea_state"].values[second]), f"{float(by_sea[second]):.4g}") if known > 1 else ("-", "-")
-    yield counted(there)
+    next_sea = str(part["sea_state"].values[second]), f"{float(by_sea[second]):.4g}"
+    yield from next_sea if known > 1 and not alike else ("-", "-")
+    number, failed = counts(there), failures(part)
+    of_designs = failed.max([dim for dim in failed.dims if dim in INNER])
+    yield str(Counts(number.least, number.most, of_designs.sum()))

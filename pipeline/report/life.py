@@ -103,7 +103,7 @@ def _line(words: list[str], worst: list[xr.DataArray], end: str) -> tuple[str, .
     damage, life, error, *count = worst
     label = ", ".join(filter(None, words))
     if np.isnan(damage.values[0]):
-        return (label, end, *["-"] * (len(HEADER) - 2))
+        return (label, end, *["-"] * (len(HEADER) - 3), str(Counts(*count)))
     where = f"{end} of leg {damage.leg.values}, fibre {damage.fibre.values}"
     yearly, years = marked(damage.values, error.values, 1 / YEAR), texts(life.values / HOUR / YEAR)
     return label, where, *yearly, *years, str(Counts(*count))

@@ -237,6 +237,8 @@ def estimated(data: xr.Dataset) -> str:
     if each is None or each.isnull().all():
         return ""
     worst = each.isel(each.argmax(...))
+    if float(each.min()) == float(worst):
+        return f"{float(worst):.1e}"
     at = ", ".join(f"{dim}={worst[dim].values}" for dim in each.dims if each.sizes[dim] > 1)
     least, largest = (f"{float(end):.1e}" for end in (each.min(), worst))
     return largest if not at else f"{least} to {largest}, the largest of {at}"

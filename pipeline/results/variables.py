@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
 from typing import Any, NamedTuple
 
 from pipeline.study.axes import Axis
@@ -314,7 +315,8 @@ def of_path(path: str, shown: Sequence[object], motions: Mapping[str, Collection
     turning, _, sliding = unit(path).partition(" or ")
     if "." in last(path) and (sliding or "," in turning):
         return attrs  # a place of a list whose numbers have several units
-    own = [motions[name] for name in path.split(".")[1:2] if path.startswith("floats.") and name in motions]
+    which = path.split(".")[1] if path.startswith("floats.") else ""  # a name, or a pattern of several
+    own = [of for name, of in motions.items() if fnmatchcase(name, which)]
     along = {axis for each in own or motions.values() for axis in each}
     if sliding and along & SLIDING and along - SLIDING:
         return attrs  # some of the axes turn and some slide

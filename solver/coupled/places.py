@@ -121,7 +121,11 @@ class Places:
         both = (each, columns.shear)
         like = firsts(
             len(makes),
-            lambda i, k: makes[i] == makes[k] and all(_mirrored(maps, part[i], part[k]) for part in both),
+            lambda i, k: (
+                makes[i] == makes[k]
+                and all(_alike(maps, part[i], part[k]) for part in both)
+                and _alike(maps, each[i][:, :1], each[k][:, :1], signs=(1,))
+            ),  # what is pulled does not buckle
         )
         first, twin = np.unique(like, return_inverse=True)
         for k in np.setdiff1d(np.arange(like.size), first):
@@ -176,12 +180,12 @@ def places_of(model: FrameModel, legs: Iterable[str], outputs: Iterable[str]) ->
     )
 
 
-def _mirrored(maps: np.ndarray, one: np.ndarray, other: np.ndarray) -> bool:
-    """Whether what some columns (n, 3) give is what others do, each of the three but for its sign."""
+def _alike(maps: np.ndarray, one: np.ndarray, other: np.ndarray, signs: tuple[int, ...] = (1, -1)) -> bool:
+    """Whether what some columns (n, m) give is what others do, each of the m but for its sign."""
     if one.shape != other.shape:
         return False
     a, b = maps[:, one], maps[:, other]
-    apart = np.minimum(*(np.abs(a - sign * b).max(axis=(0, 1)) for sign in (1, -1)))
+    apart = np.min([np.abs(a - sign * b).max(axis=(0, 1)) for sign in signs], axis=0)
     return bool(apart.max() <= SAME)
 
 

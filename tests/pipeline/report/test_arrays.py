@@ -99,6 +99,19 @@ def test_every_float_has_its_motion_by_period(results):
     assert arrays.by_period(alone) is None
 
 
+def test_motion_by_period_is_at_the_periods_of_its_own_waves(results):
+    """Not of those with another heading, which may be another sea, nor of another variant's."""
+    data = results.data.copy(deep=True)
+    data["wave_frequency"] = data.wave_frequency * xr.DataArray([1.0, 1.7], dims="heading")
+    own = figures.Results(study=results.study, data=data)
+    with plain():
+        (axes,) = arrays.by_period(own).axes
+    assert axes.lines[0].get_xdata() == pytest.approx(2 * np.pi / np.array([2.0, 1.0, 0.5]))
+    assert arrays.q_by_period(own, "one", "both")[0] == pytest.approx(2 * np.pi / np.array([2.0, 1.0, 0.5]))
+    data["wave_frequency"] = data.wave_frequency * xr.DataArray([1.0, 1.1], dims="variant")
+    assert arrays.q_by_period(own, "one", "both") is None
+
+
 def test_floats_that_move_alike_have_one_name_in_the_key(results):
     """Where one lies over the other along every period, else each has its own."""
     for other, names in ((1.0, ["front, side"]), (1.1, ["front", "side"])):

@@ -77,6 +77,23 @@ def test_realizations_and_seas_that_failed_are_told():
     assert [line[3:9] for line in rows(dataset((high, low)))] == [("mild (of 1 among 3)", "1", "N", "", "-", "-")] * 2
 
 
+def test_of_many_designs_together_all_that_failed_are_told():
+    """Those that failed in the rough sea have their largest elsewhere, which is then the next one."""
+    many = xr.concat([dataset(forces())] * (SEVERAL + 1), "sample").assign_coords(sample=np.arange(SEVERAL + 1))
+    status = np.full((SEVERAL + 1, 3, 2), "done", object)
+    status[1:3, 1] = "failed"
+    state = xr.DataArray(status.astype(str), dims=("sample", "sea_state", "seed"))
+    told = table(many.where(state == "done").assign(status=state))
+    assert told.lines[0][3] == "rough" and told.lines[0][-1] == "2, 4 failed" and SURVIVORS in told.note
+
+
+def test_what_no_sea_changes_none_governs():
+    high, low = forces()
+    high[..., 0], high[1, :, 1, 0] = 2.0, 2.0 + 1e-9
+    first, second = rows(dataset((high, low)))
+    assert first[3:9] == ("any", "2", "N", "", "-", "-") and second[3] == "long"
+
+
 def test_what_a_record_has_one_number_of_and_units_by_the_axis():
     """Motions of joints differ in unit, and a rotation is one of them."""
     axes = ["heave", "pitch"]

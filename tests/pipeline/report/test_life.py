@@ -194,6 +194,7 @@ def test_realizations_that_failed_are_told_those_that_have_not_run_are_not():
         task=data.task, status=data.status.where([[False], [True]], "failed")
     )
     assert lives(failed).failed_realizations.isel(platform=0, leg=0, fibre=0) == 2
+    assert [line[1:] for line in rows(failed)][1] == ("foot", *["-"] * 6, "0, 1 failed")  # the first sea
     data["status"][1, 1] = "missing"
     assert not lives(data).failed_realizations.any() and SURVIVORS not in table(data).note
 

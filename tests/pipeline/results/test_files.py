@@ -15,7 +15,7 @@ from pipeline.bridge.loading import load
 from pipeline.results import dataset, records
 from pipeline.results.netcdf import Variable, content, from_bytes, to_bytes
 from pipeline.results.store import Store
-from pipeline.results.variables import COORDINATES, KNOBS, OF_OUTPUTS, SERIES, VARIABLES, meaning
+from pipeline.results.variables import COORDINATES, KNOBS, OF_OUTPUTS, SERIES, VARIABLES, meaning, of_path
 from pipeline.running.campaign import Campaign
 from pipeline.running.place import Place
 from pipeline.study.settings import Recording
@@ -205,6 +205,14 @@ def test_the_one_table_names_all_that_runs_leave_and_nothing_else(real):
 )  # fmt: skip
 def test_what_goes_with_an_output_has_its_unit_squared(name, unit):
     assert meaning(name, ["pitch"])["units"] == unit
+
+
+def test_a_key_of_several_floats_has_the_unit_of_their_axes():
+    """Though others slide."""
+    motions = {"base": ("heave", "surge"), "rotor-1": ("hinge",), "rotor-2": ("hinge",)}
+    for path, unit in (("floats.rotor-*.pto_damping", "N m s rad-1"), ("floats.base.damping", "N s m-1")):
+        assert of_path(path, [1e5, 2e5], motions)["units"] == unit
+    assert "units" not in of_path("floats.*.damping", [1e5, 2e5], motions)
 
 
 def test_motion_along_an_axis_has_its_unit(real):
