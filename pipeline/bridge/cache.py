@@ -106,6 +106,7 @@ def encode(hydrodynamics: Hydrodynamics, key: str = "") -> bytes:
         "Conventions": "CF-1.11",
         "title": "Hydrodynamic coefficients, Re{X exp(-i omega t)}",
         "geometry": key,
+        "comment": "Units are those of surge, sway and heave: with m more for each rotation of a row or column",
     }
     attrs |= {name: float(getattr(hydrodynamics, name)) for name in SCALARS}
     attrs |= {f"setting_{key}": value for key, value in hydrodynamics.settings.items()}

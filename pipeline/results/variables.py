@@ -113,7 +113,7 @@ VARIABLES = {
         WAVE + "mean_period_from_variance_spectral_density_second_frequency_moment",
     ),
     "wave_power": Meaning("W m-1", "Mean power that the realization's waves carry through a metre of their crests"),
-    "buckling_factor": Meaning("1", "Euler load over gravity load of the platform"),
+    "buckling_factor": Meaning("1", "Factor on its weight and constant loads by which the platform buckles"),
     "stored_energy_change": Meaning("J", "Change of kinetic and potential energy over the run"),
     "work_wave": Meaning("J", "Work of wave pressure and excitation on the floats"),
     "work_radiation": Meaning("J", "Work of the radiation memory"),
@@ -209,7 +209,11 @@ COORDINATES = {
     "member_fibre": Meaning("1", "Number of the fibre in the member's section: eight round a tube, or its corners"),
     "fibre": Meaning("1", "Number of the fibre in the leg's section: eight round a tube, a rectangle's corners"),
     "height": Meaning("m", "Height above the foot of the leg", "height"),
-    "statistic": Meaning(None, "Over the analysed time; max, min of parabolas through samples, std with ddof 0"),
+    "statistic": Meaning(
+        None,
+        "Over the analysed time; max, min of parabolas through samples, in the frequency domain as expected of it; std"
+        " with ddof 0",
+    ),
     "mode": Meaning("1", "Number of the mode, from 1"),
     "system_mode": Meaning("1", "Number of the system's shape, from 1; a record's system_shapes says what moves"),
     "frequency_band": Meaning("1", "Number of the band of frequencies that spectra are means over, from 1"),

@@ -92,7 +92,7 @@ class Support:
     static_tops: np.ndarray  # (nl, 3) displacement of the legs' tops by weight, buoyancy and constant loads [m]
     forces: Forces | None  # None where neither legs nor outputs ask for any
     left_out: LeftOut
-    buckling_factor: float  # gravity times this buckles the frame
+    buckling_factor: float  # weight and constant loads times this buckle the frame
 
 
 def dynamic_model(platform: Platform, sea: Water) -> tuple[FrameModel, np.ndarray, float]:

@@ -25,13 +25,25 @@ def dynamic_model(
     load = water.static_load(model, density, gravity)
     at_rest = statics.static(model, load)
     N = statics.axial_force(model, at_rest, water.spread_load(model, density, gravity))
-    factor = statics.buckling_factor(model, N, gravity)
+    finer = _divided(frame)
+    factor = (
+        statics.buckling_factor(model, N, gravity)
+        if finer is frame
+        else dynamic_model(finer, density, gravity, softened=False)[2]
+    )
     if softened:
         if factor <= 1:
             raise InputError("platform.geometric_stiffness", True, f"gravity is {1 / factor:.2f} times the Euler load")
         model = statics.with_geometric_stiffness(model, N, gravity)
         at_rest = statics.static(model, load)
     return model, at_rest, factor
+
+
+def _divided(frame: Frame) -> Frame:
+    """A frame whose members of one element have two: between its pins one has no shape to buckle in."""
+    if all(m.elements != 1 for m in frame.members):
+        return frame
+    return replace(frame, members=tuple(replace(m, elements=2) if m.elements == 1 else m for m in frame.members))
 
 
 @lru_cache(maxsize=KNOWN)

@@ -276,6 +276,27 @@ def test_mirrored_tubes_are_looked_at_once(monkeypatch):
         assert each[name][1][2] != approx(each[name][1][0], rel=1e-3)
 
 
+def test_a_tube_that_is_pulled_is_no_twin_of_one_that_is_pressed():
+    """By as much under whatever pushes, as two-force members across from each other are."""
+    alone, pinned = standing(), ("My", "Mz")
+    frame, struts = alone.platform.frame, {"left": (-8.0, 0.0, 9.0), "right": (8.0, 0.0, 9.0)}
+    members = [
+        member(D=0.1, t=0.004, name=name, start=name, end="top", start_release=pinned, end_release=pinned)
+        for name in struts
+    ]
+    held = replace(
+        frame, nodes=frame.nodes | struts, members=(*frame.members, *members), clamped=("foot", *struts),
+        loads=(PointLoad(node="top", force=(2e5, 0.0, 0.0)),),
+    )  # fmt: skip
+    settings = replace(alone.settings, outputs=("utilisation", "section_forces"))
+    record = simulate(replace(alone, platform=replace(alone.platform, frame=held), settings=settings))
+    N = record.variables["section_force"][1][1:, 0, 0, 2]
+    told = record.variables["utilisation"][1][1:, 2]
+    assert N[0] == approx(-N[1], rel=1e-6) and N[0] > 5e4
+    weight = [used(n, length=8.0, D=0.1, t=0.004) for n in N]
+    assert told == approx(weight, rel=0.05) and told[1] > 2 * told[0]
+
+
 @pytest.mark.parametrize("made", [raking, crossed])
 def test_along_a_tube_goes_what_acts_on_it_alone(made):
     """Besides the forces at its start: no station's drag counts for two tubes, nor what the floats' hinges bear."""

@@ -12,6 +12,7 @@ from solver.run import simulate
 from solver.scene import Platform, Scene, Settings, Water
 from solver.sea.realization import CALM, regular
 from solver.structure.frame import Frame
+from solver.structure.in_water import dynamic_model
 from solver.structure.members import Material, Member, PointLoad, PointMass
 from solver.structure.sections import tube
 
@@ -52,6 +53,24 @@ def test_a_frame_beyond_eulers_load_is_told_by_both_methods(method):
         " it stands here because without geometric_stiffness they do not soften it"
     )
     assert "buckling" not in simulate(light).attrs.get("warnings", "")
+
+
+def test_a_pinned_strut_of_one_element_buckles_as_euler_has_it():
+    """Of two that hold the pile's top the one that is pressed: it has no shape of its own to buckle in."""
+    L, pinned, pipe = 20.0, ("My", "Mz"), tube(0.2, 0.008)
+    whole = scene(mass=1e3, push=4e5)
+    frame, steel = whole.platform.frame, whole.platform.frame.members[0].material
+    struts = [
+        Member(name=foot, start=foot, end="top", elements=1, section=pipe, material=steel,
+               start_release=pinned, end_release=pinned)
+        for foot in ("left", "right")
+    ]  # fmt: skip
+    nodes = frame.nodes | {"left": (-L, 0.0, HEIGHT - 20.0), "right": (L, 0.0, HEIGHT - 20.0)}
+    held = replace(frame, nodes=nodes, members=(*frame.members, *struts), clamped=("foot", "left", "right"))
+    factor = dynamic_model(held, 1025.0, 9.81, softened=False)[2]
+    assert factor == approx(np.pi**2 * 2.1e11 * pipe.Iy / L**2 / 2e5, rel=0.02)
+    with pytest.raises(InputError, match=r"gravity is 1\.7\d times the Euler load"):
+        dynamic_model(held, 1025.0, 9.81, softened=True)
 
 
 def test_what_softens_it_is_refused_and_not_told():
