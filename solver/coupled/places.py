@@ -124,8 +124,8 @@ class Places:
             lambda i, k: (
                 makes[i] == makes[k]
                 and all(_alike(maps, part[i], part[k]) for part in both)
-                and _alike(maps, each[i][:, :1], each[k][:, :1], signs=(1,))
-            ),  # what is pulled does not buckle
+                and _alike(maps, each[i][:, :1], each[k][:, :1], signs=(1,))  # what is pulled does not buckle
+            ),
         )
         first, twin = np.unique(like, return_inverse=True)
         for k in np.setdiff1d(np.arange(like.size), first):
