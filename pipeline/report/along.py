@@ -24,10 +24,11 @@ MANY, LOW = 8, 0.25  # so many numbers of which half lie in the lowest quarter, 
 
 def along(results: Results, dim: str) -> Figure | None:
     """A panel for each quantity; words stand in rows, numbers that change together have a row of panels each."""
-    shown, labels = results.measures, results.labels(dim)
+    labels = results.labels(dim)
+    words = bool(labels) and isinstance(labels[0], str)
+    shown = [quantity for quantity in results.measures if _any(results, quantity, dim, words)]
     if not shown or len(labels) < 2:
         return None
-    words = isinstance(labels[0], str)
     across = [dim] if words else abscissae(results, dim)
     figure = canvas(9.0, 1.2 + 0.45 * len(labels[:ROOM]) if words else 0.4 + 3.0 * len(across))
     grid = figure.subplots(len(across), len(shown), sharey=words, squeeze=False)
@@ -61,6 +62,12 @@ def in_ratios(places: np.ndarray) -> bool:
 def _values(results: Results, quantity: Measure, dim: str, sea: str) -> xr.DataArray:
     others = {name: label for name, label in results.first.items() if name != dim}
     return results.values(quantity.variable, statistic=quantity.statistic, sea_state=sea, **others)
+
+
+def _any(results: Results, quantity: Measure, dim: str, words: bool) -> bool:
+    """Whether there are numbers to draw."""
+    values = (_values(results, quantity, dim, sea) for sea in ([results.sea] if words else results.marked))
+    return any(finite(each.sel({dim: results.labels(dim)[: ROOM if words else None]})).size > 0 for each in values)
 
 
 def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> None:

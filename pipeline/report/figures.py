@@ -75,18 +75,32 @@ class Results:
         return np.atleast_1d(self.data[dim].values).tolist() if dim in self.data.coords else []
 
     @cached_property
-    def first(self) -> dict[str, Any]:
+    def _start(self) -> dict[str, Any]:
         """The first task's label along every axis that figures do not show unless they are about it."""
         labels = first_labels(self.study.content)
         return {dim: label for dim, label in labels.items() if dim not in SHOWN and self.labels(dim)}
 
-    def first_of(self, name: str) -> dict[str, Any]:
-        """`first`, or the first other labels where a variable has no numbers there in the sea that is shown."""
-        there = self.values(name, sea_state=self.sea).notnull()
+    @cached_property
+    def known(self) -> str:
+        """The variable that has numbers where a task has come to something to show; empty if there is none."""
+        return next((name for name in (POWER, ROTATION.variable, "wall_time") if self.has(name)), "")
+
+    @cached_property
+    def first(self) -> dict[str, Any]:
+        """What figures hold: the first task's labels, or others if it has come to nothing in the sea that is shown."""
+        return self.first_of(self.known) if self.known else self._start
+
+    def first_of(self, name: str, /, **given: Any) -> dict[str, Any]:
+        """The first task's labels, or the first others with numbers of a variable, in the sea shown or at those given.
+
+        Axis by axis: each label is one that has numbers with those before it.
+        """
+        there = self.values(name, **{"sea_state": self.sea} | given).notnull()
         held = {}
-        for dim, label in self.first.items():
+        for dim, first in self._start.items():
+            labels, label = there[dim].values.tolist(), given.get(dim, first)
             some = there.any([other for other in there.dims if other != dim])
-            held[dim] = next((one for one in (label, *self.labels(dim)) if some.sel({dim: one})), label)
+            held[dim] = next((one for one in (label, *labels) if one in labels and some.sel({dim: one})), label)
             there = there.sel({dim: [held[dim]]})
         return held
 
@@ -109,23 +123,27 @@ class Results:
 
     @cached_property
     def sea(self) -> str:
-        """The sea state that the published numbers are for; otherwise the highest that designs are to work in."""
-        named = [label for row in self.published for label in row.selection.get("sea_state", [])]
-        known = [label for label in named if label in self.labels("sea_state")]
-        heights = np.nan_to_num(self.numbers("Hs", "wave_height"))
-        if (survival := self.study.content.survival) is not None:
-            states = (self.study.content.sea_states[label] for label in self.labels("sea_state"))
-            stormy = np.array([height(state) > survival.Hs for state in states])
-            heights = np.where(stormy & ~stormy.all(), -1.0, heights)
-        return str(max(known, key=known.count) if known else self.labels("sea_state")[int(heights.argmax())])
+        """The one that the published numbers are for, otherwise the highest; of those with numbers, if any has."""
+        every = self.labels("sea_state")
+        there = [label for label in every if self.known and self.has(self.known, sea_state=label)] or every
+        named = [label for row in self.published for label in row.selection.get("sea_state", []) if label in there]
+        return str(max(named, key=named.count)) if named else self.highest(there)
 
-    def numbers(self, *names: str) -> np.ndarray:
+    def highest(self, seas: Sequence[str]) -> str:
+        """Of these sea states the highest that designs are to work in, by the first task's numbers."""
+        heights = np.nan_to_num(self.numbers("Hs", "wave_height", held=self._start))
+        size = dict(zip(self.labels("sea_state"), heights, strict=True))
+        states, survival = self.study.content.sea_states, self.study.content.survival
+        calm = [sea for sea in seas if survival is None or height(states[sea]) <= survival.Hs]
+        return str(max(calm or seas, key=size.__getitem__))
+
+    def numbers(self, *names: str, held: Mapping[str, Any] | None = None) -> np.ndarray:
         """A number for each sea state, as it is shown, from the first of these coordinates that has one; else NaN."""
+        labels = self.first if held is None else held
         per_sea = np.full(len(self.labels("sea_state")), np.nan)
         for name in reversed(names):
             if name in self.data.coords:
-                held = {dim: label for dim, label in self.first.items() if dim in self.data[name].dims}
-                values = self.data[name].sel(held).values
+                values = self.data[name].sel({dim: labels[dim] for dim in labels if dim in self.data[name].dims}).values
                 per_sea = np.where(np.isfinite(values), values, per_sea)
         return per_sea
 
@@ -237,16 +255,22 @@ def key(figure: Figure, results: Results, name: str, markers: Mapping[str, str] 
     above(figure, marks)
 
 
+def shown(results: Results) -> list[Measure]:
+    """Power and rotation, as far as there are numbers of the seas and at the labels that are drawn."""
+    there = ((each, results.values(each.variable, **results.first)) for each in results.measures)
+    return [quantity for quantity, values in there if values.sel(sea_state=results.seas).notnull().any()]
+
+
 def sea_states(results: Results) -> Figure | None:
     """Power and rotation of every float in every sea state."""
-    shown = results.measures
-    if not shown:
+    measures = shown(results)
+    if not measures:
         return None
     figure = canvas(9.0, 1.2 + min(0.62 * len(results.sea_names), 15.0))
-    rows = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
-    for axes, quantity in zip(rows, shown, strict=True):
+    rows = figure.subplots(1, len(measures), sharey=True, squeeze=False)[0]
+    for axes, quantity in zip(rows, measures, strict=True):
         draw_sea_states(axes, results, quantity)
-    key(figure, results, shown[-1].variable)
+    key(figure, results, measures[-1].variable)
     return figure
 
 

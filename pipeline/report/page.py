@@ -15,11 +15,11 @@ import numpy as np
 from pipeline.report import arrays, envelopes, figures, ranking, report, series, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.drawing import plain, rendered, svg
-from pipeline.report.figures import Results, short, told
+from pipeline.report.figures import ROOM, Results, short, told
 from pipeline.report.overview import TEXT, overview
 from pipeline.report.periods import natural_periods
 from pipeline.report.published import read_published
-from pipeline.report.responses import dashes, responses
+from pipeline.report.responses import dashes, responses, shown_at
 from pipeline.report.template import PAGE
 from pipeline.report.yearly import of_survivors
 from pipeline.results import dataset
@@ -214,12 +214,14 @@ def _made(results: Results) -> Iterator[tuple[str, str, Figure]]:
 
 def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
     """Title, caption and maker of each figure, in order."""
-    held, legs = _held(results), envelopes.shown(results)
+    cut = _cut(results, "sea_state")
+    held, legs = _held(results) + cut, envelopes.shown(results)
     of_legs = told(results, results.first_of(legs[0][0])) if legs else ""
-    count = len(results.labels("sea_state"))
-    held += f" The first {len(results.seas)} of {count} sea states." if count > len(results.seas) else ""
+    of_force = told(results, results.first_of(figures.FORCE)) if figures.FORCE in results.data else ""
+    at_waves = shown_at(results)
+    of_waves = told(results, {dim: at_waves[dim] for dim in results.first})
     fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
-    measures = " and ".join(quantity.name for quantity in results.measures).capitalize()
+    measures = " and ".join(quantity.name for quantity in figures.shown(results)).capitalize()
     spread = f"Dots: mean over realizations; bars: least and largest. {fixed}".rstrip()
     dashed = " Dashed: the frequency domain." if dashes(results) else ""
     of_extremes = (
@@ -249,19 +251,19 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         *[
             (
                 f"Along {dim.replace('_', ' ')}{_at(results, dim)}",
-                f"{_of_seas(results, dim)}, mean over realizations. {fixed}{_held(results, dim)}",
+                f"{_of_seas(results, dim)}, mean over realizations. {fixed}{_held(results, dim)}{_cut(results, dim)}",
                 _along(dim),
             )
             for dim in results.varied
         ],
         (
             "Extremes of the hinge force",
-            f"Least and largest force in each realization, one dot each. {fixed}{held}",
+            f"Least and largest force in each realization, one dot each. {fixed}{of_force}{cut}",
             strips.hinge_forces,
         ),
         (
             "Response to the waves",
-            f"Per wave amplitude; sea state {results.sea}, first realization.{dashed}{held}",
+            f"Per wave amplitude; sea state {at_waves['sea_state']}, first realization there is.{dashed}{of_waves}",
             responses,
         ),
         (
@@ -271,15 +273,19 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         (
             "Gain of the array",
-            f"q: mean power over that of as many floats alone, of floats that are alike; by period from the RAO.{held}",
+            "q: mean power over that of as many floats alone, of floats that are alike; by period from the RAO." + held,
             arrays.gain,
         ),
-        *(
-            (title, f"{words} Sea state {results.sea}.{_held(results)}", make)
-            for title, words, make in series.entries(results)
-        ),
+        *series.entries(results),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
+
+
+def _cut(results: Results, dim: str) -> str:
+    """That a figure has no room for all labels, which stand in rows where they are words."""
+    labels, seas = results.labels(dim), " sea states" if dim == "sea_state" else ""
+    rows = len(labels) > ROOM and isinstance(labels[0], str)
+    return f" The first {ROOM} of {len(labels)}{seas}." if rows else ""
 
 
 def _headed(results: Results) -> str:

@@ -9,7 +9,6 @@ import numpy as np
 
 from pipeline.report.drawing import PAPER, canvas, colour
 from pipeline.report.figures import Results
-from pipeline.report.report import first_platform
 from pipeline.results.variables import axis_units, meaning
 
 if TYPE_CHECKING:
@@ -17,11 +16,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OUTPUTS = ("rotation", "motion", "hinge_force", "top_displacement", "pto_force", "fibre_stress")
-PANELS = 3  # outputs that are drawn
+PANELS = 4  # outputs that are drawn
 LINES = 4  # of each, the largest
 SMALL = 0.05  # share of the largest response below which a component is left out
 FAINT = 1e-3  # share of the largest wave spectrum below which a band has no waves to speak of
-METHOD, BAND = "method", "frequency_band"
+METHOD, BAND, WAVES = "method", "frequency_band", "wave_elevation_spectrum"
 
 
 def dashes(results: Results) -> bool:
@@ -32,9 +31,12 @@ def dashes(results: Results) -> bool:
 
 def responses(results: Results) -> Figure | None:
     """Response per wave amplitude and coherence; the frequency domain as dashed lines where a study has both."""
-    methods = [{METHOD: label} for label in results.labels(METHOD)] or [{}]
+    at = shown_at(results)
+    methods = [at | {METHOD: label} for label in results.labels(METHOD)] or [at]
     known = [(name, axes) for name in OUTPUTS if results.has(f"{name}_response") for axes in _alike(results, name)]
-    shown = [each for each in known if any(_largest(results, *each, at) for at in methods)][:PANELS]
+    there = [each for each in known if any(_largest(results, *each, at) for at in methods)]
+    moves = any(name == "motion" for name, _ in there)  # of which rotation is the part about hinges
+    shown = [(name, axes) for name, axes in there if name != "rotation" or not moves][:PANELS]
     if not shown:
         return None
     figure = canvas(9.0, 4.6)
@@ -44,6 +46,7 @@ def responses(results: Results) -> Figure | None:
             theory = at.get(METHOD) == "frequency" and len(methods) > 1
             style: dict[str, Any] = {"linestyle": "--", "color": PAPER, "linewidth": 0.9} if theory else {}
             omega, bands = _bands(results, at)
+            style |= {"marker": "o"} if bands.sum() == 1 else {}  # no line goes through one point
             for i, (words, place) in enumerate(_largest(results, name, along, at)):
                 look = {"color": colour(i), "linewidth": 1.6} | style
                 label = None if theory else words
@@ -55,11 +58,28 @@ def responses(results: Results) -> Figure | None:
         upper.set_title(name.replace("_", " ") + (f" [{unit}]" if unit else ""))
         if upper.get_legend_handles_labels()[0]:
             upper.legend(frameon=False)
-        upper.set_ylim(bottom=0.0)
+        upper.set_ylim(0.0, 1.05 * upper.dataLim.y1)
         lower.set_ylim(0.0, 1.05)
         lower.set_xlabel("frequency [rad/s]")
     grid[1][0].set_ylabel("coherence")
     return figure
+
+
+def shown_at(results: Results) -> dict[str, Any]:
+    """At which labels responses are shown: in the report's sea, or the highest other if it has no several bands."""
+    outputs = [f"{name}_response" for name in OUTPUTS if results.has(f"{name}_response")]
+    if not outputs:
+        return {"sea_state": results.sea, **results.first}
+    bands = _waved(results.values(WAVES)).sum(BAND)
+    bands = bands.max([dim for dim in bands.dims if dim != "sea_state"])
+    wide = [str(sea) for sea in results.labels("sea_state") if bands.sel(sea_state=sea) > 1]
+    sea = results.sea if results.sea in wide or not wide else results.highest(wide)
+    return {"sea_state": sea, **results.first_of(outputs[0], sea_state=sea)}
+
+
+def _waved(spectrum: xr.DataArray) -> xr.DataArray:
+    """Which bands have waves."""
+    return spectrum > FAINT * spectrum.max(BAND)
 
 
 def _alike(results: Results, name: str) -> list[list[str]]:
@@ -72,19 +92,19 @@ def _alike(results: Results, name: str) -> list[list[str]]:
 
 
 def _part(results: Results, variable: str, at: dict[str, Any]) -> xr.DataArray:
-    """A variable in the report's sea, at these labels and the first of the study's other axes."""
-    values = first_platform(results.data[variable])
-    if "sea_state" in values.dims:
-        values = values.sel(sea_state=results.sea)
+    """A variable at these labels, on the first platform and in the first realization that have numbers."""
+    values = results.data[variable]
     values = values.sel({dim: label for dim, label in at.items() if dim in values.dims})
-    own = {*results.first, "seed"}
-    return values.isel({dim: 0 for dim in values.dims if dim in own})
+    for dim in ("platform", "seed"):
+        if dim in values.dims:
+            there = values.notnull().any([other for other in values.dims if other != dim])
+            values = values.isel({dim: int(there.values.argmax())})
+    return values
 
 
 def _bands(results: Results, at: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies (n,), and which of them (n,) have waves."""
-    waves = _part(results, "wave_elevation_spectrum", at).values
-    return _part(results, "band_frequency", at).values, waves > FAINT * np.nanmax(waves, initial=0.0)
+    return _part(results, "band_frequency", at).values, _waved(_part(results, WAVES, at)).values
 
 
 def _largest(results: Results, name: str, along: list[str], at: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:

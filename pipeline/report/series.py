@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeline.bridge import realizations
 from pipeline.report.drawing import COLOURS, INK, above, canvas, colour
-from pipeline.report.figures import FORCE, POWER
+from pipeline.report.figures import FORCE, POWER, told
 from pipeline.report.strips import directions
 from pipeline.results.netcdf import Variable
 from pipeline.results.records import decode
@@ -67,11 +67,13 @@ class Series:
 
     @cached_property
     def labels(self) -> Mapping[str, Label]:
-        """Of the first task that keeps series, whichever axis varies that; none of a study without."""
-        study = self.results.study.content
+        """Of the first task with numbers that keeps series, whichever axis varies that; none of a study without."""
+        study, known = self.results.study.content, self.results.known
         first, varied = firsts(study), (axis for axis in study.varied if "record.series" in axis.keys)
-        found = [first({axis.name: label}) for axis in varied for label in axis.labels] or [first({})]
-        return next((one for one in found if one and at_labels(study, one).record.series != "none"), {})
+        given = [{axis.name: label} for axis in varied for label in axis.labels] or [{}]
+        near = [(first(some), self.results.first_of(known, **some) if known else {}) for some in given]
+        found = [{**one, **held} for one, held in near if one]
+        return next((one for one in found if at_labels(study, one).record.series != "none"), {})
 
     def _record(self, platform: str) -> Mapping[str, Variable]:
         held = {dim: self.labels[dim] for dim in self.results.first}
@@ -113,9 +115,10 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
     series = Series(results)
     if not series.records:
         return []
-    bands = "Left: the whole record, the second over the first; right: the minute about the largest value."
+    at = f" Sea state {results.sea}.{told(results, {dim: series.labels[dim] for dim in results.first})}"
+    bands = f"Left: the whole record, the second over the first; right: the minute about the largest value.{at}"
     return [
-        ("Waves", "Elevation of one realization, and its spectrum beside theory.", lambda _: waves(series)),
+        ("Waves", f"Elevation of one realization, and its spectrum beside theory.{at}", lambda _: waves(series)),
         ("Response of the platform", f"First leg. {bands}", lambda _: draw(response(series))),
         ("Hinge forces", f"Of the hinge on the float. {bands}", lambda _: draw(forces(series))),
         ("Rotation", bands, lambda _: draw(floats(series, "rotation", "rotation, [rad]", 1.0))),

@@ -21,7 +21,7 @@ NAUGHT = 1e-6  # share of the largest below which a component is zero but for ro
 
 def directions(results: Results) -> list[str]:
     """Components of the hinge force that are not zero in what is shown: a planar scene has no y force."""
-    values = results.values(FORCE, **results.first)
+    values = results.values(FORCE, **results.first_of(FORCE))
     largest = {d: float(np.abs(finite(values.sel(direction=d))).max(initial=0.0)) for d in results.labels("direction")}
     return [d for d, size in largest.items() if size > NAUGHT * max(largest.values())]
 
@@ -49,7 +49,7 @@ def _extremes(axes: Axes, results: Results, item: str, direction: str) -> None:
     names = [name.splitlines()[0] for name in results.sea_names]
     categories(axes, names)
     axes.axvline(0.0, color=INK, linewidth=0.6)
-    values = results.values(FORCE, **results.first).sel(float=item, direction=direction)
+    values = results.values(FORCE, **results.first_of(FORCE)).sel(float=item, direction=direction)
     rows = [entry for entry in series(results, FORCE) if entry[0] == item]
     for (_, support, look), lane in zip(rows, lanes(len(rows)), strict=True):
         for place, sea in enumerate(results.seas):

@@ -384,6 +384,82 @@ def test_legs_are_drawn_with_the_first_labels_that_have_envelopes(small):
     assert "Envelopes along the legs" not in titles(replace(both, data=data))
 
 
+def partly(small):
+    """Of the first label every task has failed, of the highest sea the first realization of the other."""
+    numbers = dataset()[["absorbed_power", "hinge_force", "stress_envelope", "wall_time"]]
+    data = xr.concat([numbers.assign_coords(pto_damping=b) for b in (1e5, 2e5)], "pto_damping").copy(deep=True)
+    for values in data.data_vars.values():
+        values.loc[{"sea_state": "rough", "seed": 1}] = values.sel(sea_state="rough", seed=0)
+        values.loc[{"sea_state": "rough", "seed": 0}] = np.nan
+        values.loc[{"pto_damping": 1e5}] = np.nan
+    small.write_text(small.read_text().replace("seed", "pto_damping = [1e5, 2e5]\nseed", 1))
+    return figures.Results(study=load(small), data=data.assign(task=data.wall_time.astype(str)))
+
+
+def test_figures_are_of_labels_that_have_numbers(small):
+    """Where the first label's tasks failed they hold the next, and say so; a figure of nothing is none."""
+    there = partly(small)
+    captions = {figure["title"]: figure["caption"] for figure in page.drawn(there)}
+    shown = [title for title in captions if title not in ("Scene", "What the runs say of themselves")]
+    assert shown == [
+        "Envelopes along the legs",
+        "Power in each sea state at pto damping 200000",
+        "Along pto damping",
+        "Extremes of the hinge force",
+    ]
+    assert sum("Shown at pto damping 200000." in caption for caption in captions.values()) == 3
+    with plain():
+        dots = [line for line in strips.hinge_forces(there).axes[0].lines if line.get_marker() == "o"]
+    assert sum(line.get_xdata().size for line in dots) == 12  # three realizations on two platforms, least and largest
+    elsewhere = there.data.absorbed_power.sel(pto_damping=[2e5]).assign_coords(pto_damping=[1e5])
+    turned = replace(there, data=there.data.assign(rotation=elsewhere.reindex(pto_damping=[1e5, 2e5])))
+    with plain():
+        assert len(figures.sea_states(turned).axes) == 1 and len(along(turned, "pto_damping").axes) == 2
+    assert "Power in each sea state at pto damping 200000" in titles(turned)
+    nothing = replace(there, data=there.data.where(there.data.pto_damping == 0.0))
+    with plain():
+        assert [draw(nothing) for draw in (figures.sea_states, strips.hinge_forces)] == [None, None]
+        assert along(nothing, "pto_damping") is None
+
+
+def test_the_sea_shown_is_the_highest_with_numbers(small, tmp_path):
+    """Not one that was not run or failed throughout, even if published numbers are for it."""
+    there = partly(small)
+    assert there.sea == "rough"
+    calm = replace(there, data=there.data.where(there.data.sea_state == "calm"))
+    assert calm.sea == "calm" and calm.first == {"pto_damping": 2e5}
+    (tmp_path / "p.csv").write_text(PUBLISHED)
+    assert replace(calm, published=read_published(tmp_path / "p.csv")).sea == "calm"
+    none = replace(there, data=there.data.where(there.data.pto_damping == 0.0))
+    assert (none.sea, none.first) == ("rough", {"pto_damping": 1e5})
+    assert none.first_of("hinge_force", pto_damping=2e5) == {"pto_damping": 2e5}
+
+
+def test_labels_follow_the_sea_that_is_shown(small):
+    """A label that came to numbers in another sea alone is passed over."""
+    there = partly(small)
+    for values in there.data.drop_vars("task").data_vars.values():
+        values.loc[{"pto_damping": 1e5, "sea_state": "calm"}] = values.sel(pto_damping=2e5, sea_state="calm")
+    assert there.first == {"pto_damping": 2e5} == there.first_of("hinge_force")
+    assert there.first_of("hinge_force", sea_state="calm") == {"pto_damping": 1e5}
+    assert there.first_of("hinge_force", sea_state="calm", pto_damping=2e5) == {"pto_damping": 2e5}
+
+
+def test_words_that_have_no_room_are_counted(small):
+    """Beyond those a figure has room for, of rows alone."""
+    words = [f"v{i}" for i in range(30)]
+    variants = "".join(f"[variants.{word}]\n" for word in words)
+    many = along_of(small, "variant", variants, variant=words)
+    captions = {title: caption for title, caption, _ in page._list(many)}
+    assert captions["Along variant"].endswith(" The first 24 of 30.")
+    with plain():
+        assert len(along(many, "variant").axes[0].get_yticks()) == figures.ROOM
+    few = replace(many, data=many.data.isel(variant=slice(24)))
+    assert not any("The first" in caption for _, caption, _ in page._list(few))
+    beyond = replace(many, data=many.data.where(many.data.variant == "v29"))
+    assert along(beyond, "variant") is None
+
+
 def test_an_axis_of_words_has_its_own_figure(small, tmp_path):
     """A row for each variant, and in it the mean over the realizations there are; none where there are none."""
     lines = "[variants.usual]\n[variants.deep]\nwater.depth = 60.0\n[variants.deeper]\nwater.depth = 70.0"
@@ -763,6 +839,50 @@ def test_what_slides_and_what_turns_have_panels_of_their_own(results):
         "motion [m m-1]": [f"{name}, {axis}" for name in ("front", "rear") for axis in ("surge", "heave")],
         "motion [rad m-1]": ["front, pitch", "rear, pitch"],
     }
+
+
+def of_bands(results, regular, **more):
+    """Responses of two seas; the regular ones have waves in one band alone."""
+    dims, size = ("sea_state", "seed", "float", "frequency_band"), np.ones((2, 2, 1, 4))
+    bands = np.array([[0.0, 1.0, 0.0, 0.0] if sea in regular else [1.0] * 4 for sea in ("calm", "rough")])
+    size[:, 0] = np.nan  # it failed
+    added = {
+        "rotation_response": (dims, size),
+        "rotation_coherence": (dims, size),
+        "wave_elevation_spectrum": (("sea_state", "seed", "frequency_band"), bands[:, None] * size[:, :, 0]),
+        "band_frequency": (("sea_state", "seed", "frequency_band"), np.arange(1.0, 5.0) * size[:, :, 0]),
+    }
+    return replace(results, data=results.data[["status"]].assign_coords(float=["front"]).assign(added | more))
+
+
+@pytest.mark.parametrize(
+    ("regular", "shown", "points", "mark"),
+    [
+        ((), "rough", 4, "None"),
+        (("rough",), "calm", 4, "None"),
+        (("calm",), "rough", 4, "None"),
+        (("calm", "rough"), "rough", 1, "o"),
+    ],
+)
+def test_responses_are_of_a_sea_with_several_bands(results, regular, shown, points, mark):
+    """Where none has several there is a dot; of the realization that has numbers."""
+    waves = of_bands(results, regular)
+    with plain():
+        upper, _ = responses(waves).axes
+    (line,) = upper.lines
+    assert line.get_xdata().size == points and line.get_marker() == mark and np.isfinite(line.get_xydata()).all()
+    assert upper.get_ylim()[1] == pytest.approx(1.05)
+    (caption,) = (words for title, words, _ in page._list(waves) if title == "Response to the waves")
+    assert f"sea state {shown}, first realization there is." in caption
+
+
+def test_what_turns_about_a_hinge_is_drawn_once(results):
+    """A motion along the hinge's axis is the rotation: forces that were asked for have the room."""
+    dims = ("sea_state", "seed", "float", "axis", "frequency_band")
+    names = [f"{name}_{kind}" for name in ("motion", "pto_force") for kind in ("response", "coherence")]
+    turning = of_bands(results, (), **{name: (dims, np.ones((2, 2, 1, 1, 4))) for name in names})
+    figure = responses(replace(turning, data=turning.data.assign_coords(axis=["hinge"])))
+    assert [axes.get_title() for axes in figure.axes[:2]] == ["motion [rad m-1]", "pto force [N m m-1]"]
 
 
 def test_figures_of_one_sea_are_of_one_that_designs_work_in(small, results):

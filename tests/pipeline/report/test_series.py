@@ -107,6 +107,23 @@ def test_series_that_some_labels_keep_are_drawn(small, results, case):
     assert list(series.Series(kept).records) == list(PLATFORMS)
 
 
+def test_series_of_labels_that_failed_are_passed_over(small, results):
+    """The first label's tasks have left nothing, nor has the highest sea; captions say which are shown."""
+    text = small.read_text().replace('sea_state = ["rough"]', 'sea_state = ["calm", "rough"]')
+    small.write_text(text.replace("seed = ", "pto_damping = [1e5, 2e5]\nseed = ", 1))
+    calm = results.data.assign_coords(sea_state=["calm"], Hs=("sea_state", [0.5]))
+    data = xr.concat([calm, results.data.assign(task=calm.task.astype(str) + "-none")], "sea_state", join="outer")
+    data = data.expand_dims(pto_damping=[1e5, 2e5]).copy(deep=True)
+    done = (data.sea_state == "calm") & (data.pto_damping == 2e5)
+    task = data.task.where(done, "none")
+    data = data.assign(task=task, wall_time=xr.ones_like(task, float).where(done))
+    kept = figures.Results(study=load(small), data=data, tasks=results.tasks)
+    assert list(series.Series(kept).records) == list(PLATFORMS)
+    assert {words.partition("Sea state ")[2] for _, words, _ in series.entries(kept)} == {
+        "calm. Shown at pto damping 200000."
+    }
+
+
 def test_lines_are_the_series_in_the_units_shown(results):
     (top, stress) = series.response(series.Series(results))
     assert [line.name for line in top.lines] == ["with floats", "no floats"]
