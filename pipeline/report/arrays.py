@@ -11,7 +11,7 @@ import numpy as np
 from pipeline.report.along import VARIANT
 from pipeline.report.drawing import FAINT, INK, STEEL, canvas, colour, dash, legend, marker
 from pipeline.report.figures import Results
-from pipeline.report.report import first_platform
+from pipeline.report.report import first_known
 from pipeline.report.sketch import first_scene
 from pipeline.study.floats import Float
 from pipeline.study.schema import StudyFile
@@ -111,7 +111,7 @@ def by_period(results: Results) -> Figure | None:
 
 def _at(results: Results, name: str, sea: str, **labels: Any) -> xr.DataArray:
     """A variable in a sea, at these labels and the first of all other axes."""
-    values = first_platform(results.data[name])
+    values = first_known(results.data[name], "platform")
     wanted = {"sea_state": sea, **results.first, **labels}
     values = values.sel({dim: label for dim, label in wanted.items() if dim in values.dims})
     return values.isel(seed=0) if "seed" in values.dims else values
@@ -243,7 +243,7 @@ def _turns(results: Results) -> bool:
 
 def _held(results: Results, values: xr.DataArray, *more: str) -> xr.DataArray:
     """At the first label of all axes but seas and headings, mean over realizations; more: axes that are held, too."""
-    values = first_platform(values)
+    values = first_known(values, "platform")
     first = {d: label for d, label in results.first.items() if d in values.dims and (d != HEADING or d in more)}
     values = values.sel(first)
     values = values.mean("seed") if "seed" in values.dims else values

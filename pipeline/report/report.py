@@ -92,7 +92,7 @@ def realizations(data: xr.Dataset, row: Published) -> xr.DataArray | None:
     failed, over = values[FAILED], [dim for dim, at in places.items() if len(at) > 1 and dim != "seed"]
     values = values.drop_vars(FAILED).mean(over)
     values = values.assign_coords({FAILED: failed.any([dim for dim in over if dim in failed.dims])})
-    return first_platform(values) / (-row.scale if row.statistic.startswith("-") else row.scale)
+    return first_known(values, "platform") / (-row.scale if row.statistic.startswith("-") else row.scale)
 
 
 def strange(data: xr.Dataset, rows: Sequence[Published], study: StudyFile) -> list[str]:
@@ -146,12 +146,12 @@ def _same_unit(data: xr.Dataset, row: Published) -> bool:
     return own is None or factor(row.unit, own) is not None
 
 
-def first_platform(values: xr.DataArray) -> xr.DataArray:
-    """On the first platform that has numbers."""
-    if "platform" not in values.dims:
+def first_known(values: xr.DataArray, dim: str) -> xr.DataArray:
+    """At the first label along a dimension that has numbers."""
+    if dim not in values.dims:
         return values
-    known = values.notnull().any([dim for dim in values.dims if dim != "platform"])
-    return values.isel(platform=int(known.argmax("platform")))
+    known = values.notnull().any([other for other in values.dims if other != dim])
+    return values.isel({dim: int(known.argmax(dim))})
 
 
 def tables(data: xr.Dataset, rows: Sequence[Published]) -> dict[str, list[tuple[Published, Ours | None]]]:

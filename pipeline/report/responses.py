@@ -9,7 +9,9 @@ import numpy as np
 
 from pipeline.report.drawing import PAPER, canvas, colour
 from pipeline.report.figures import Results
-from pipeline.results.variables import axis_units, meaning
+from pipeline.report.governing import unit
+from pipeline.report.report import first_known
+from pipeline.results.variables import axis_units
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,9 +55,8 @@ def responses(results: Results) -> Figure | None:
                 values = (_part(results, f"{name}_{kind}", at).sel(place) for kind in ("response", "coherence"))
                 for axes, numbers in zip((upper, lower), values, strict=True):
                     axes.plot(omega[bands], numbers.values[bands], label=label, **look)
-        response = f"{name}_response"
-        unit = results.data[response].attrs.get("units") or meaning(response, along).get("units", "")
-        upper.set_title(name.replace("_", " ") + (f" [{unit}]" if unit else ""))
+        own = unit(results.data[f"{name}_response"], ["axis"] * len(along), along)
+        upper.set_title(name.replace("_", " ") + (f" [{own}]" if own else ""))
         if upper.get_legend_handles_labels()[0]:
             upper.legend(frameon=False)
         upper.set_ylim(0.0, 1.05 * upper.dataLim.y1)
@@ -87,19 +88,16 @@ def _alike(results: Results, name: str) -> list[list[str]]:
     data = results.data
     if "axis" not in data[f"{name}_response"].dims:
         return [[]]
-    units, labels = axis_units(data["axis"].values.tolist()), data["axis"].values.tolist()
-    return [[label for label, own in zip(labels, units, strict=True) if own == unit] for unit in dict.fromkeys(units)]
+    labels = data["axis"].values.tolist()
+    units = axis_units(labels)
+    return [[label for label, own in zip(labels, units, strict=True) if own == kind] for kind in dict.fromkeys(units)]
 
 
 def _part(results: Results, variable: str, at: dict[str, Any]) -> xr.DataArray:
     """A variable at these labels, on the first platform and in the first realization that have numbers."""
     values = results.data[variable]
     values = values.sel({dim: label for dim, label in at.items() if dim in values.dims})
-    for dim in ("platform", "seed"):
-        if dim in values.dims:
-            there = values.notnull().any([other for other in values.dims if other != dim])
-            values = values.isel({dim: int(there.values.argmax())})
-    return values
+    return first_known(first_known(values, "platform"), "seed")
 
 
 def _bands(results: Results, at: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ from pipeline.report.figures import AUDIT, CROSS, FORCE, SUPPORT, Results, finit
 from pipeline.results.dataset import once
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -31,12 +32,12 @@ def hinge_forces(results: Results) -> Figure | None:
     shown = directions(results) if results.has(FORCE) else []
     if not shown:
         return None
-    floats = results.labels("float")
+    floats, values = results.labels("float"), results.values(FORCE, **results.first_of(FORCE))
     figure = canvas(9.0, len(floats) * (0.8 + min(0.36 * len(results.sea_names), 10.0)))
     grid = figure.subplots(len(floats), len(shown), sharex="col", sharey=True, squeeze=False)
     for item, row in zip(floats, grid, strict=True):
         for direction, axes in zip(shown, row, strict=True):
-            _extremes(axes, results, item, direction)
+            _extremes(axes, results, values.sel(float=item, direction=direction))
         row[0].set_title(item)
     for direction, axes in zip(shown, grid[-1], strict=True):
         axes.set_xlabel(f"{direction} force of the hinge on the float [{results.force[0]}]")
@@ -44,12 +45,12 @@ def hinge_forces(results: Results) -> Figure | None:
     return figure
 
 
-def _extremes(axes: Axes, results: Results, item: str, direction: str) -> None:
-    """Two clouds a sea state: the least and the largest force of each realization."""
+def _extremes(axes: Axes, results: Results, values: xr.DataArray) -> None:
+    """Two clouds a sea state: the least and the largest force of each realization, of a float along a direction."""
+    item, direction = values["float"].item(), values["direction"].item()
     names = [name.splitlines()[0] for name in results.sea_names]
     categories(axes, names)
     axes.axvline(0.0, color=INK, linewidth=0.6)
-    values = results.values(FORCE, **results.first_of(FORCE)).sel(float=item, direction=direction)
     rows = [entry for entry in series(results, FORCE) if entry[0] == item]
     for (_, support, look), lane in zip(rows, lanes(len(rows)), strict=True):
         for place, sea in enumerate(results.seas):
