@@ -118,7 +118,7 @@ def pair_of(data: xr.Dataset, words: str) -> Pair | None:
     if len(chosen) != 2 or not {*chosen} <= known.keys() or chosen[0] == chosen[1]:
         raise ValueError(f"must be {name}=FIRST,SECOND, two of {', '.join(known)}")
     if keys := sea_keys(axes[name]):
-        raise ValueError(f"along {name} {', '.join(sorted(keys))} differ: designs must meet the same waves")
+        raise ValueError(f"along {name} waves differ in {', '.join(sorted(keys))}: designs must meet the same ones")
     return Pair(name, (known[chosen[0]], known[chosen[1]]))
 
 

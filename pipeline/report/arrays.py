@@ -110,11 +110,11 @@ def by_period(results: Results) -> Figure | None:
 
 
 def _at(results: Results, name: str, sea: str, **labels: Any) -> xr.DataArray:
-    """A variable in a sea, at these labels and the first of all other axes."""
+    """A variable in a sea, at these labels and the first of all other axes, in the first realization that is known."""
     values = first_known(results.data[name], "platform")
     wanted = {"sea_state": sea, **results.first, **labels}
     values = values.sel({dim: label for dim, label in wanted.items() if dim in values.dims})
-    return values.isel(seed=0) if "seed" in values.dims else values
+    return first_known(values, "seed")
 
 
 def _widest(results: Results) -> str:

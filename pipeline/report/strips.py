@@ -64,8 +64,8 @@ def _extremes(axes: Axes, results: Results, values: xr.DataArray) -> None:
 
 
 def audit(results: Results) -> Figure | None:
-    """Energy residual, estimated error and wall time of every task."""
-    shown = [(name, words) for name, words in AUDIT if results.has(name)]
+    """Energy residual, estimated error and wall time of every task, but for what is exactly zero in all."""
+    shown = [(name, words) for name, words in AUDIT if results.has(name) and finite(results.values(name)).any()]
     if not shown:
         return None
     supports = results.labels("platform")

@@ -104,7 +104,7 @@ def test_what_is_no_pair_is_refused(words, told):
 def test_designs_that_meet_other_waves_have_no_difference():
     data = dataset(pto_damping=("pto_damping", [1e5, 2e5], {"long_name": "depth (water.depth)"}))
     assert pair_of(data, "") is None
-    with pytest.raises(ValueError, match="along pto_damping depth differ"):
+    with pytest.raises(ValueError, match="along pto_damping waves differ in depth"):
         pair_of(data, "pto_damping=1e5,2e5")
 
 

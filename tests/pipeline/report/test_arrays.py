@@ -112,6 +112,14 @@ def test_motion_by_period_is_at_the_periods_of_its_own_waves(results):
     assert arrays.q_by_period(own, "one", "both") is None
 
 
+def test_motion_by_period_is_that_of_the_first_realization_that_did_not_fail(results):
+    data = results.data.expand_dims(seed=[0, 1]).copy(deep=True)
+    data.rao[0], data.wave_frequency[0] = np.nan, np.nan
+    with plain():
+        (axes,) = arrays.by_period(figures.Results(study=results.study, data=data)).axes
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), [2, 3, 1])
+
+
 def test_floats_that_move_alike_have_one_name_in_the_key(results):
     """Where one lies over the other along every period, else each has its own."""
     for other, names in ((1.0, ["front, side"]), (1.1, ["front", "side"])):

@@ -907,3 +907,10 @@ def test_words_and_dots_of_the_audit_have_room(results):
         dots = np.concatenate([axes.transData.transform(line.get_xydata()) for line in axes.lines[-3:]])
         radius = axes.lines[-1].get_markersize() / 2 * figure.dpi / 72
         assert dots[:, 0].min() - radius >= axes.bbox.x0 and dots[:, 0].max() + radius <= axes.bbox.x1
+
+
+def test_the_audit_shows_nothing_of_what_is_exactly_zero(results):
+    data = results.data.assign(energy_residual=0 * results.data.wall_time)
+    with plain():
+        (axes,) = strips.audit(replace(results, data=data)).axes
+    assert axes.get_xlabel().startswith("wall time")
