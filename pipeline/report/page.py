@@ -19,7 +19,7 @@ from pipeline.report.figures import ROOM, Results, short, told
 from pipeline.report.overview import TEXT, overview
 from pipeline.report.periods import natural_periods
 from pipeline.report.published import read_published
-from pipeline.report.responses import dashes, responses, shown_at
+from pipeline.report.responses import METHOD, beside, responses, shown_at
 from pipeline.report.template import PAGE
 from pipeline.report.yearly import of_survivors
 from pipeline.results import dataset
@@ -219,11 +219,12 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     of_legs = told(results, results.first_of(legs[0][0])) if legs else ""
     of_force = told(results, results.first_of(figures.FORCE)) if figures.FORCE in results.data else ""
     at_waves = shown_at(results)
-    of_waves = told(results, {dim: at_waves[dim] for dim in results.first})
+    both = len(beside(results)) > 1
+    of_waves = told(results, {dim: at_waves[dim] for dim in results.first if not (both and dim == METHOD)})
     fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
     measures = " and ".join(quantity.name for quantity in figures.shown(results)).capitalize()
     spread = f"Dots: mean over realizations; bars: least and largest. {fixed}".rstrip()
-    dashed = " Dashed: the frequency domain." if dashes(results) else ""
+    dashed = " Dashed: the frequency domain." if both else ""
     of_extremes = (
         "Lines: mean of the realizations' extremes, of legs drawn as one the largest; bands: least and largest."
     )

@@ -25,16 +25,17 @@ FAINT = 1e-3  # share of the largest wave spectrum below which a band has no wav
 METHOD, BAND, WAVES = "method", "frequency_band", "wave_elevation_spectrum"
 
 
-def dashes(results: Results) -> bool:
-    """Whether the frequency domain has numbers that stand, dashed, beside those of records."""
-    both = METHOD in results.data.dims and len(results.labels(METHOD)) > 1 and "frequency" in results.labels(METHOD)
-    return both and any(results.has(f"{name}_response", **{METHOD: "frequency"}) for name in OUTPUTS)
+def beside(results: Results) -> list[dict[str, Any]]:
+    """Labels at which responses are shown, of each method that has numbers there: the frequency domain's stand, dashed,
+    beside those of records."""
+    at, names = shown_at(results), _outputs(results)
+    every = [at | {METHOD: label} for label in results.labels(METHOD)] or [at]
+    return [each for each in every if any(_part(results, name, each).notnull().any() for name in names)]
 
 
 def responses(results: Results) -> Figure | None:
     """Response per wave amplitude and coherence; the frequency domain as dashed lines where a study has both."""
-    at = shown_at(results)
-    methods = [at | {METHOD: label} for label in results.labels(METHOD)] or [at]
+    methods = beside(results)
     known = [(name, axes) for name in OUTPUTS if results.has(f"{name}_response") for axes in _alike(results, name)]
     there = [each for each in known if any(_largest(results, *each, at) for at in methods)]
     moves = any(name == "motion" for name, _ in there)  # of which rotation is the part about hinges
@@ -67,15 +68,23 @@ def responses(results: Results) -> Figure | None:
 
 
 def shown_at(results: Results) -> dict[str, Any]:
-    """At which labels responses are shown: in the report's sea, or the highest other if it has no several bands."""
-    outputs = [f"{name}_response" for name in OUTPUTS if results.has(f"{name}_response")]
+    """At which labels responses are shown: in the report's sea, or the highest other if it has no several bands; where
+    records have numbers, if any has."""
+    outputs = _outputs(results)
     if not outputs:
         return {"sea_state": results.sea, **results.first}
     bands = _waved(results.values(WAVES)).sum(BAND)
     bands = bands.max([dim for dim in bands.dims if dim != "sea_state"])
     wide = [str(sea) for sea in results.labels("sea_state") if bands.sel(sea_state=sea) > 1]
     sea = results.sea if results.sea in wide or not wide else results.highest(wide)
-    return {"sea_state": sea, **results.first_of(outputs[0], sea_state=sea)}
+    marched = {"sea_state": sea, METHOD: "time"}
+    there = "time" in results.labels(METHOD) and results.has(outputs[0], **marched)
+    return {"sea_state": sea, **results.first_of(outputs[0], **(marched if there else {"sea_state": sea}))}
+
+
+def _outputs(results: Results) -> list[str]:
+    """The variables that have numbers."""
+    return [f"{name}_response" for name in OUTPUTS if results.has(f"{name}_response")]
 
 
 def _waved(spectrum: xr.DataArray) -> xr.DataArray:

@@ -802,6 +802,31 @@ def test_responses_stand_beside_the_frequency_domains(results):
                      (replace(both, data=data.assign(hinge_force_response=none)), False)):  # fmt: skip
         captions = {title: caption for title, caption, _ in page._list(of)}
         assert ("Dashed: the frequency domain." in captions["Response to the waves"]) == told
+    alone = data.hinge_force_response.where(data.method == "frequency")
+    upper, _ = responses(replace(both, data=data.assign(hinge_force_response=alone))).axes
+    assert [(line.get_label(), line.get_linestyle()) for line in upper.lines] == [("front, x", "-"), ("front, y", "-")]
+
+
+def test_responses_are_shown_where_records_have_them(results, small):
+    """Not at the first label, where of two methods the frequency domain alone has numbers."""
+    small.write_text(
+        small.read_text().replace("seed", "pto_damping = [1e5, 2e5]\n'solver.method' = ['time', 'frequency']\nseed", 1)
+    )
+    dims, size = ("pto_damping", "method", "sea_state", "seed", "float", "frequency_band"), np.ones((2, 2, 2, 2, 1, 4))
+    size[0, 0] = np.nan
+    added = {
+        "rotation_response": (dims, size),
+        "rotation_coherence": (dims, size),
+        "wave_elevation_spectrum": ((*dims[:4], "frequency_band"), size[..., 0, :]),
+        "band_frequency": ((*dims[:4], "frequency_band"), np.arange(1.0, 5.0) * size[..., 0, :]),
+    }
+    data = results.data[["status"]].drop_vars("pto_damping")
+    labels = {"float": ["front"], "pto_damping": [1e5, 2e5], "method": ["time", "frequency"]}
+    failed = figures.Results(study=load(small), data=data.assign_coords(labels).assign(added))
+    upper, _ = responses(failed).axes
+    assert [line.get_linestyle() for line in upper.lines] == ["-", "--"]
+    (caption,) = (words for title, words, _ in page._list(failed) if title == "Response to the waves")
+    assert caption.endswith("Dashed: the frequency domain. Shown at pto damping 200000.")
 
 
 def test_a_float_without_numbers_leaves_the_others_their_lines(results):
