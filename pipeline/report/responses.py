@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 OUTPUTS = ("rotation", "motion", "hinge_force", "top_displacement", "pto_force", "fibre_stress")
 PANELS = 4  # outputs that are drawn
 LINES = 4  # of each, the largest
+ROOM = 0.1  # above the largest for each name, of its height
 SMALL = 0.05  # share of the largest response below which a component is left out
 FAINT = 1e-3  # share of the largest wave spectrum below which a band has no waves to speak of
 METHOD, BAND, WAVES = "method", "frequency_band", "wave_elevation_spectrum"
@@ -58,9 +59,8 @@ def responses(results: Results) -> Figure | None:
                     axes.plot(omega[bands], numbers.values[bands], label=label, **look)
         own = unit(results.data[f"{name}_response"], ["axis"] * len(along), along)
         upper.set_title(name.replace("_", " ") + (f" [{own}]" if own else ""))
-        if upper.get_legend_handles_labels()[0]:
-            upper.legend(frameon=False)
-        upper.set_ylim(0.0, 1.05 * upper.dataLim.y1)
+        upper.set_ylim(0.0, (1.05 + ROOM * len(upper.get_legend_handles_labels()[0])) * upper.dataLim.y1)
+        upper.legend(frameon=False, fontsize="small", loc="upper right")
         lower.set_ylim(0.0, 1.05)
         lower.set_xlabel("frequency [rad/s]")
     grid[1][0].set_ylabel("coherence")

@@ -795,6 +795,9 @@ def test_responses_stand_beside_the_frequency_domains(results):
     upper, lower = figure.axes
     assert [line.get_label() for line in upper.lines[:2]] == ["front, x", "front, y"]
     assert [line.get_linestyle() for line in upper.lines] == ["-", "-", "--", "--"]
+    rendered(figure, "png")
+    names = upper.get_legend().get_window_extent()
+    assert names.y0 > max(upper.transData.transform(line.get_xydata())[:, 1].max() for line in upper.lines)
     assert upper.lines[0].get_xdata() == pytest.approx(omega[1:5]) and upper.get_title() == "hinge force [N m-1]"
     assert upper.lines[1].get_ydata() == pytest.approx(size[1, 1:5]) and lower.get_ylabel() == "coherence"
     none = data.hinge_force_response.where(data.method == "time")
@@ -896,7 +899,7 @@ def test_responses_are_of_a_sea_with_several_bands(results, regular, shown, poin
         upper, _ = responses(waves).axes
     (line,) = upper.lines
     assert line.get_xdata().size == points and line.get_marker() == mark and np.isfinite(line.get_xydata()).all()
-    assert upper.get_ylim()[1] == pytest.approx(1.05)
+    assert upper.get_ylim()[1] == pytest.approx(1.15)
     (caption,) = (words for title, words, _ in page._list(waves) if title == "Response to the waves")
     assert f"sea state {shown}, first realization there is." in caption
 
