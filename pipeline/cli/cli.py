@@ -141,13 +141,17 @@ def run(
         paths = actions.refresh(study, store)
     tally = Tally.of(looked(tasks, store), told)
     actions.print_table(study, paths[0])
-    what = [f"{len(todo) - tally.counts['missing']} run now" if todo else "nothing to run"]
+    missing = tally.counts["missing"]
+    what = [f"{max(len(todo) - missing, 0)} run now" if todo else "nothing to run"]
     if len(tasks.unique) < (whole := len(study.tasks.unique)):
         collected = Tally.of(looked(study.tasks.unique, store)).counts["done"]
         what.append(f"table of all {collected} that are done of the study's {whole}")
     say("; ".join([str(tally), *what, *map(str, paths)]))
     actions.tell_of_older(paths[0])
-    raise typer.Exit(finish(tally, study, store))
+    code = finish(tally, study, store)
+    if missing and code == DONE:
+        say(f"{missing} records are not where runs put them: was {store.root} moved or emptied meanwhile?", err)
+    raise typer.Exit(FAILED if missing else code)
 
 
 @app.command()

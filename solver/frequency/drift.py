@@ -57,12 +57,13 @@ def _velocity(case: Case, response: Response) -> np.ndarray:
 
 
 def energy_residual(case: Case, response: Response, waves: Waves) -> float:
-    """Power that the far field says is absorbed, less what pressure does on the bodies, over what is sent out."""
+    """Power that the far field says is absorbed, less what pressure does on the bodies, whichever is more in a wave,
+    over what is sent out."""
     h, a = require_far_field(case.hydrodynamics), case.system.scene.sea.amplitude[case.met, None]
     V = _velocity(case, response)
     force = h.excitation(case.waves) * a - (h.impedance(case.waves) @ V[..., None])[..., 0]
     work = 0.5 * np.sum(force * V.conj(), axis=1).real
-    return float(abs(np.sum(waves.absorbed_power - work)) / np.sum(waves.outgoing_power))
+    return float(np.sum(np.abs(waves.absorbed_power - work)) / np.sum(waves.outgoing_power))
 
 
 def variables(case: Case, response: Response) -> tuple[dict[str, Labelled], dict[str, Any]]:

@@ -65,6 +65,15 @@ def test_energy_far_off_is_that_of_rotors_and_dampers():
     assert np.sum(drift.waves_of(case_of(item, h), response).absorbed_power) == approx(np.sum(rate @ damping), rel=0.04)
 
 
+def test_energy_that_one_wave_lacks_makes_up_for_none_that_another_has():
+    item, h = drifting(HEADING), coefficients()[0]
+    case, response = case_of(item, h), respond(item, h)
+    waves, off = drift.waves_of(case, response), np.zeros(response.omega.size)
+    off[:2] = 10 * waves.outgoing_power.sum() * np.array([1, -1])
+    wrong = SimpleNamespace(absorbed_power=waves.absorbed_power + off, outgoing_power=waves.outgoing_power)
+    assert drift.energy_residual(case, response, wrong) == approx(20.0, rel=0.02)
+
+
 def test_the_moment_is_about_the_supports_joint():
     """As of the same waves seen from there: H exp(ik d·e) of modes whose origin is d further on."""
     item, h = drifting(HEADING), coefficients()[0]

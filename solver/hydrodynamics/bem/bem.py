@@ -129,13 +129,16 @@ def _limits(problem: Problem, solutions: list[Solution]) -> tuple[list[np.ndarra
 
 
 def _require_damped(problem: Problem, impedance: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> None:
-    """Refuse A + iB/ω (nw, n, n) of a motion that takes power from the waves it radiates at most frequencies."""
+    """Refuse A + iB/ω (nw, n, n) of a motion that takes power from the waves it radiates at most frequencies.
+
+    Where next to nothing radiates, as from within a moonpool above its own frequencies, the sign is the panels' noise.
+    """
     own = np.einsum("wii->wi", impedance)
     size = np.abs(own).max(axis=0)
-    active = (np.mean(own.imag < 0, axis=0) > 0.5) & (own.imag.min(axis=0) < -ACTIVE * size)
-    for i in np.flatnonzero(active & radiates(size, lengths, body)):
+    negative = own.imag < -ACTIVE * size
+    for i in np.flatnonzero((np.mean(negative, axis=0) > 0.5) & radiates(size, lengths, body)):
         w = int(own[:, i].imag.argmin())
-        what = f"damping of {problem.dofs[i % len(problem.dofs)]} is negative at {np.sum(own[:, i].imag < 0)} of"
+        what = f"damping of {problem.dofs[i % len(problem.dofs)]} is negative at {np.sum(negative[:, i])} of"
         what += (
             f" {len(own)} frequencies, most at {problem.omega[w]:.4g} rad/s ({problem.omega[w] * own[w, i].imag:.3g})"
         )

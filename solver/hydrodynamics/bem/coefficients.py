@@ -108,8 +108,8 @@ class Hydrodynamics:
         return replace(shifted, rings=(beta[beta.imag > 0],) * 2)
 
     def told(self, motions: Sequence[Sequence[str]]) -> "Hydrodynamics":
-        """At the frequencies that panels resolve, for bodies with these motions: all up to `waves_to`, and beyond until
-        they leave more than UNTOLD of a motion's own A + iB/ω at most of those NEARBY.
+        """At the frequencies that panels resolve, for bodies with these motions: all up to the first that is not below
+        `waves_to`, and beyond until they leave more than UNTOLD of a motion's own A + iB/ω at most of those NEARBY.
         """
         if self.error is None:
             return self
@@ -120,7 +120,8 @@ class Hydrodynamics:
         heard = self.moved(motions) & radiates(own.max(axis=0), self._lengths, self.body)
         lost = np.any(off > UNTOLD * own, axis=1, where=heard)
         most = np.convolve(lost, np.ones(2 * NEARBY + 1))[NEARBY:-NEARBY] > NEARBY
-        return self.first(int(np.logical_and.accumulate((self.omega <= self.waves_to) | ~most).sum()))
+        among = np.append(0.0, self.omega[:-1]) < self.waves_to
+        return self.first(int(np.logical_and.accumulate(among | ~most).sum()))
 
     def first(self, count: int) -> "Hydrodynamics":
         """At the first frequencies, so many."""

@@ -400,7 +400,8 @@ def test_frequencies_above_the_waves_that_panels_do_not_resolve_are_left_out():
     there = whole.excitation(found.omega)
     assert found.excitation(found.omega) == pytest.approx(there, rel=1e-12, abs=1e-9 * np.abs(there).max())
     assert len(solved(lost).told([("surge", "pitch")]).omega) == last + 1
-    assert len(replace(solved(lost), waves_to=whole.omega[last - 2]).told(()).omega) == last - 1
+    for among in (whole.omega[last - 2], 0.5 * (whole.omega[last - 2] + whole.omega[last - 3])):
+        assert len(replace(solved(lost), waves_to=among).told(()).omega) == last - 1
     assert len(solved(np.where(np.arange(last + 1) == last - 5, 0.2, 0.0)).told(()).omega) == last + 1
     assert replace(whole, error=None).told(()).error is None
 
@@ -568,6 +569,16 @@ def test_damping_that_a_film_of_water_makes_negative_is_refused():
     box = PanelHull.of(*shapes.box((4, 3, 2), (0, 0, -1.001)))
     with pytest.raises(InputError, match=r"damping of heave is negative at 3 of 3 frequencies.*film of water"):
         solve((box,), np.zeros((1, 3)), depth=np.inf, omega=np.array([1.2, 1.8, 2.4]), panels=SMALL)
+
+
+def test_damping_that_is_noise_beside_next_to_none_is_no_film():
+    """As of a spar in a wide moonpool, which radiates nothing above the ring's frequencies but where water rings."""
+    problem = bem.Problem.of((FLOAT,), np.zeros((1, 3)), depth=np.inf, omega=np.arange(1.0, 7.0), panels=SMALL)
+    damping = np.array([0.5, 0.3, -1e-4, -2e-4, -0.05, -1e-4])
+    bem._require_damped(problem, np.eye(3) * (1 + 1j * damping[:, None, None]), np.ones(3), np.zeros(3, int))
+    active = np.eye(3) * (1 + 1j * np.where(damping < 0, -0.1, damping)[:, None, None])
+    with pytest.raises(InputError, match="at 4 of 6 frequencies"):
+        bem._require_damped(problem, active, np.ones(3), np.zeros(3, int))
 
 
 def test_damping_below_zero_is_off_by_that_at_least():

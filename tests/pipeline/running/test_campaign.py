@@ -236,6 +236,19 @@ def test_fail_fast_stops(small, cli):
     assert "11 missing; 1 run now" in output.replace(", 1 failed", "")
 
 
+def test_records_that_are_moved_away_during_a_run_are_told_of(cli, monkeypatch, tmp_path):
+    real = actions.run
+
+    def emptied(*args, **how):
+        real(*args, **how)
+        shutil.rmtree(tmp_path / "r" / "small")
+
+    monkeypatch.setattr(actions, "run", emptied)
+    output = cli("run", "--workers", "1", code=1)
+    assert "12 tasks: 12 missing; 0 run now" in output
+    assert "12 records are not where runs put them" in output
+
+
 def test_failed_coefficients_fail_their_tasks_alone(small, tmp_path, engine):
     def broken(*_):
         raise ValueError("singular")
