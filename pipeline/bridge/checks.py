@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from pipeline.bridge.objections import objections
 from pipeline.study import seas
 from pipeline.study.axes import Axes, Axis
 from pipeline.study.layout import HINGE
+from pipeline.study.platform import Platform
 from pipeline.study.schema import StudyFile
 from pipeline.study.settings import RULES
 from pipeline.study.tables import Same
@@ -202,18 +203,28 @@ def _parts(study: StudyFile) -> Iterator[InputError]:
     if table := study.platform:
         if "elastic" in supports(study):  # whose frame has a node for each float that no member need join
             yield from on_others((f.name, f.on) for f in study.floats if f.name not in study.left_out)
-        yield from axis_checks.repeated("platform.legs", table.legs)
-        written = table.damping_ratio if "damping_ratio" in table.model_fields_set else 0.0
-        if written and (table.rayleigh_mass or table.rayleigh_stiffness):
-            limit = "must be 0 or left out beside rayleigh_mass or rayleigh_stiffness, which damp instead of it"
-            yield InputError("platform.damping_ratio", written, limit)
-        for node, place in table.nodes.items():
-            if node.startswith(HINGE):
-                yield InputError(f"platform.nodes.{node}", list(place), "comes with its float; leave it out")
-        for name in table.sections:
-            yield from objections(partial(platforms.section, name, table))
-        for member in table.members:
-            yield from objections(partial(platforms.member, member, table))
+        yield from _platform(Same(table))
+
+
+@lru_cache(maxsize=4)
+def _platform(same: Same[Platform]) -> tuple[InputError, ...]:
+    """Values of an axis that do not change the platform share them."""
+    return tuple(_of_platform(same.table))
+
+
+def _of_platform(table: Platform) -> Iterator[InputError]:
+    yield from axis_checks.repeated("platform.legs", table.legs)
+    written = table.damping_ratio if "damping_ratio" in table.model_fields_set else 0.0
+    if written and (table.rayleigh_mass or table.rayleigh_stiffness):
+        limit = "must be 0 or left out beside rayleigh_mass or rayleigh_stiffness, which damp instead of it"
+        yield InputError("platform.damping_ratio", written, limit)
+    for node, place in table.nodes.items():
+        if node.startswith(HINGE):
+            yield InputError(f"platform.nodes.{node}", list(place), "comes with its float; leave it out")
+    for name in table.sections:
+        yield from objections(partial(platforms.section, name, table))
+    for member in table.members:
+        yield from objections(partial(platforms.member, member, table))
 
 
 def _scenes(study: StudyFile) -> Iterator[InputError]:
