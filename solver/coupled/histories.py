@@ -12,7 +12,7 @@ from solver.coupled.ritz import FAINT, of_whole
 from solver.coupled.support import Support
 from solver.coupled.system import System
 from solver.structure.load_history import LoadHistory
-from solver.structure.ringing import Sizes, lines, parabolas, sizes
+from solver.structure.ringing import Sizes, lines, parabolas, products, sizes
 
 SWINGS = 0.01  # of all that moves the frame: what swings by more is followed
 
@@ -51,6 +51,24 @@ def moved(system: System) -> Moved:
 def _by_histories(support: Support, histories: tuple[LoadHistory, ...], end: float) -> Sizes:
     """By the loads alone, whatever the step."""
     return sizes(lines(histories, end), support.omega, support.damping, support.applied)
+
+
+class Driven(NamedTuple):
+    """Loads and modes over a record, means in row 0; others, whose squares' sums are variances, go about these."""
+
+    force: np.ndarray  # (k, na) of the load histories [N]
+    p: np.ndarray  # (k, nm)
+    dp: np.ndarray
+    ddp: np.ndarray
+
+
+def driven(system: System) -> Driven:
+    """By a system's load histories alone, at its steps."""
+    support, discard = system.support, system.scene.settings.discard
+    assert support is not None, "asked of a scene with loads on a platform"
+    applied, span = support.applied, (discard, _end(system))
+    R = products(system.histories, system.dt, span, support.omega, support.damping, applied)
+    return Driven(*np.split(R[:, 1:], len(applied) + support.omega.size * np.arange(3), axis=1))
 
 
 def missed(system: System, step: float) -> float:

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.signal import lfilter
 
 from solver.kernels import whole_kernel
 from solver.structure.load_history import LoadHistory
@@ -15,6 +16,7 @@ from solver.structure.load_history import LoadHistory
 TOGETHER = 16  # modes whose loads are known at a time: there may be hundreds of both, and a million pieces
 SAME = 1e-10  # of a piece's length
 LARGEST = 0.99  # damping ratio: what is damped by more hardly swings
+AT_ONCE = 4096  # samples of loads and modes: a record may have millions
 
 
 class Pieces(NamedTuple):
@@ -81,6 +83,38 @@ def sizes(loads: Pieces, omega: np.ndarray, ratio: np.ndarray, applied: np.ndarr
         _move(loads.time, value, slope, curvature, omega[some], damped, squares[:, some])
     swings, whole, slow, mean = squares / span
     return Sizes(*(np.sqrt(square) * omega for square in (swings, np.maximum(slow - mean**2, 0.0), whole)))
+
+
+def products(
+    histories: Iterable[LoadHistory],
+    step: float,
+    span: tuple[float, float],
+    omega: np.ndarray,
+    ratio: np.ndarray,
+    applied: np.ndarray,
+) -> np.ndarray:
+    """R (k, 1 + na + 3 nm), RᵀR the mean products of 1, the loads, q, q̇ and q̈ from one time to another.
+
+    Row 0 has their means, others what goes about these. Loads are straight from step to step [s]: where the slope of
+    one grows by b, q̈ swings as b sin(ω't) exp(-ζωt)/ω'.
+    """
+    histories, (begin, end) = tuple(histories), np.ceil(np.array(span) / step - SAME).astype(int)
+    damped = np.minimum(ratio, LARGEST)
+    rate = omega * (1j * np.sqrt(1 - damped**2) - damped)
+    R, last = np.zeros((0, 1 + len(applied) + 3 * omega.size)), np.zeros((omega.size, 1), complex)
+    for first in range(0, end + 1, AT_ONCE):
+        at = np.arange(first, min(first + AT_ONCE, end + 1))
+        force = _forces(histories, step * np.clip([first - 1, *at, at[-1] + 1], 0, end))
+        load, slope = force @ applied, np.diff(force, axis=0) @ applied / step
+        swing = np.empty((at.size, omega.size), complex)
+        for m, grown in enumerate(np.diff(slope, axis=0).T):
+            swing[:, m], last[m] = lfilter([1.0], [1.0, -np.exp(rate[m] * step)], grown, zi=last[m])
+        swing /= 1j * rate.imag
+        dq, ddq = slope[1:] / omega**2 + (swing / rate).real, swing.real
+        q = (load[1:-1] - 2 * damped * omega * dq - ddq) / omega**2
+        samples = np.concatenate([np.ones((at.size, 1)), force[1:-1], q, dq, ddq], axis=1)
+        R = np.asarray(np.linalg.qr(np.concatenate([R, samples[at >= begin]]), mode="r"))
+    return R / R[0, 0]
 
 
 @whole_kernel

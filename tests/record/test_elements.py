@@ -1,6 +1,7 @@
 """What a frame's elements leave out, told by each record, against the same frame with many."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -9,11 +10,16 @@ from solver.coupled.preparation import prepare
 from solver.coupled.support import _within
 from solver.record import elements
 from solver.run import simulate
+from solver.scene import Platform
+from solver.sea.realization import CALM
 from solver.statistics import STATISTICS
+from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
-from tests.awkward import bare_legs, on_piles, raking, tripod, tube, unequal_legs
+from solver.structure.load_history import LoadHistory
+from solver.structure.members import Member, PointMass
+from tests.awkward import STEEL, bare_legs, on_piles, raking, scene, tripod, tube, unequal_legs
 
-STD = STATISTICS.index("std")
+RMS, STD = map(STATISTICS.index, ("rms", "std"))
 JUDGED = ("top_displacement", "bottom_stress", "base_shear", "overturning_moment")
 
 
@@ -51,6 +57,61 @@ def test_records_tell_what_sections_of_the_middle_do(count):
     few, many = ([record.variables[name][1][..., STD] for name in JUDGED] for record in records)
     true = max(np.max(np.abs(a - b)[b > 0.1 * b.max()] / b[b > 0.1 * b.max()]) for a, b in zip(few, many, strict=True))
     assert 1 / 3 < true / records[0].attrs["elements_effect"] < 3
+
+
+WIDE, NARROW = tube(1.2, 0.02), tube(0.4, 0.02)
+
+
+def pushed(count, *tubes, slow=False, **settings):
+    """Two legs that lean to each other, of one tube below and another on top, and turned round; on top 8 t and a force
+    that changes at random, or slowly and steadily."""
+    nodes = {"a": (0.0, 0.0, -15.0), "b": (7.0, 3.0, -15.0), "top": (1.0, 0.5, 9.0)}
+    legs = tuple(
+        Member(
+            name=foot, start=foot, end="top", elements=count, section=below, end_section=above, material=STEEL,
+            inertia_coefficient=2.0,
+        )
+        for foot, below, above in (("a", *tubes), ("b", *tubes[::-1]))
+    )  # fmt: skip
+    mass = PointMass(node="top", mass=8e3, cog=(1.0, 0.5, 1.0))
+    frame = Frame(nodes=nodes, members=legs, clamped=("a", "b"), masses=(mass,))
+    time, drawn = np.arange(0.0, 60.1, 0.5), np.random.default_rng(3)
+    random = drawn.normal(loc=[2e4, 0.0, 0.0], scale=3e4, size=(time.size, 3))
+    force = np.outer(time, [1e3, 5e2, 0.0]) if slow else random
+    load = LoadHistory(node="top", time=time, force=force)
+    platform = Platform(frame=frame, legs=("a", "b"), load_histories=(load,), damping_ratio=0.03)
+    chosen = {"outputs": ("reactions",), "duration": 40.0, "discard": 20.0, "ramp": 10.0} | settings
+    return scene([], depth=15.0, platform=platform, waves=CALM, **chosen)
+
+
+@pytest.mark.parametrize(
+    ("counts", "tubes", "slow"),
+    [((2, 4, 8), (WIDE, NARROW), False), ((4,), (WIDE, NARROW), True), ((1,), (NARROW, NARROW), False)],
+    ids=["tapers", "slowly", "straight"],
+)
+def test_records_tell_what_elements_do_under_load_histories(counts, tubes, slow):
+    """In still water, of rms and std along each axis: what bends without swinging, and what weight bears, too."""
+    *some, many = (simulate(pushed(n, *tubes, slow=slow)) for n in (*counts, 48))
+    for few in some:
+        true = 0.0
+        for name, statistic in product(JUDGED, (RMS, STD)):
+            a, b = (record.variables[name][1][..., statistic] for record in (few, many))
+            true = max(true, np.max(np.abs(a - b)[b > 0.1 * b.max()] / b[b > 0.1 * b.max()]))
+        assert 1 / 3 < true / few.attrs["elements_effect"] < 3
+
+
+def test_elements_are_judged_by_what_a_record_has():
+    """Of tops, fibres and base shear without means and with them; a line's square is twice its variance."""
+    item = pushed(4, WIDE, NARROW, outputs=("reactions", "fibre_stress"), time_step=0.01)
+    record, system = simulate(item), prepare(item, None)
+    told = iter([*elements._stds(system, None, item.settings)])
+    names = "top_displacement", "fibre_stress", "base_shear", "overturning_moment"
+    for name in names:
+        for statistic in (STD, RMS):
+            values = record.variables[name][1][..., statistic].ravel()
+            ours = np.array([next(told) for _ in values]) / np.sqrt(2)
+            assert np.array_equal(ours > 0, values > elements.SMALL * values.max())
+            assert ours[ours > 0] == pytest.approx(values[ours > 0], rel=1e-3)
 
 
 def test_a_march_tells_the_same():

@@ -5,8 +5,9 @@ import pytest
 from pytest import approx
 from scipy import signal
 
+from solver.structure import ringing
 from solver.structure.load_history import LoadHistory
-from solver.structure.ringing import Pieces, lines, parabolas, sizes
+from solver.structure.ringing import Pieces, lines, parabolas, products, sizes
 
 END = 10.0
 OMEGA, RATIO = np.array([3.0, 40.0]), np.array([0.02, 0.1])
@@ -81,3 +82,21 @@ def test_a_parabola_pushes_slowly_as_far_as_it_varies():
     for pieces in (bent, bent.cut(np.array([0.0, 0.3, 1.7, 2.0]))):
         for mode, load in enumerate((1 + 0.5 * t + 1.5 * t**2, 1 - 2 * t + 0.5 * t**2)):
             assert sizes(pieces, OMEGA, RATIO, np.eye(2)).pushed[mode] == approx(load.std() / OMEGA[mode], rel=1e-4)
+
+
+@pytest.mark.parametrize("at_once", [ringing.AT_ONCE, 37])
+def test_products_are_those_of_another_integration(monkeypatch, at_once):
+    """Of loads whose bends fall on steps, over the last 7 s, however many samples are known at a time."""
+    monkeypatch.setattr(ringing, "AT_ONCE", at_once)
+    load = LoadHistory(node="top", time=np.array([-1.0, 0.0, 1.0, 3.2, 3.6, 20.0]), force=BLOW.force)
+    R = products([load], 0.01, (3.0, END), OMEGA, RATIO, APPLIED)
+    columns = [np.ones(701), np.interp(np.linspace(3, END, 701), load.time, load.force[:, 1])]
+    for mode in (0, 1):
+        t, Q, q = moved(lambda t: np.interp(t, load.time, load.force[:, 1]), mode)
+        dq = np.gradient(q, t)
+        ddq = Q - 2 * RATIO[mode] * OMEGA[mode] * dq - OMEGA[mode] ** 2 * q
+        columns += [x[60000::200] for x in (q, dq, ddq)]
+    samples = np.stack(columns)[[0, 1, 2, 5, 3, 6, 4, 7]]
+    size = np.sqrt(np.mean(samples**2, axis=1))
+    assert R.T @ R / np.outer(size, size) == approx(samples @ samples.T / 701 / np.outer(size, size), abs=1e-3)
+    assert R[0] == approx(samples.mean(axis=1), rel=1e-3, abs=1e-4 * size.max())
