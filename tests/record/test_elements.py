@@ -100,6 +100,14 @@ def test_records_tell_what_elements_do_under_load_histories(counts, tubes, slow)
         assert 1 / 3 < true / few.attrs["elements_effect"] < 3
 
 
+def test_frames_without_legs_are_judged_by_all_that_moves():
+    """What is told of them is what tops do that nothing puts out."""
+    few, many = (simulate(pushed(count, WIDE, NARROW)).variables["top_displacement"][1] for count in (4, 48))
+    item = pushed(4, WIDE, NARROW, outputs=())
+    told = simulate(replace(item, platform=replace(item.platform, legs=()))).attrs["elements_effect"]
+    assert 1 / 3 < np.abs(few / many - 1)[..., STD].max() / told < 3
+
+
 def test_elements_are_judged_by_what_a_record_has():
     """Of tops, fibres and base shear without means and with them; a line's square is twice its variance."""
     item = pushed(4, WIDE, NARROW, outputs=("reactions", "fibre_stress"), time_step=0.01)
