@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import lfilter
 
 from solver.kernels import whole_kernel
 from solver.structure.load_history import LoadHistory
@@ -98,6 +97,8 @@ def products(
     Row 0 has their means, others what goes about these. Loads are straight from step to step [s]: where the slope of
     one grows by b, q̈ swings as b sin(ω't) exp(-ζωt)/ω'.
     """
+    from scipy.signal import lfilter  # rarely asked for, and slow to import
+
     histories, (begin, end) = tuple(histories), np.ceil(np.array(span) / step - SAME).astype(int)
     damped = np.minimum(ratio, LARGEST)
     rate = omega * (1j * np.sqrt(1 - damped**2) - damped)
