@@ -24,8 +24,7 @@ MANY, LOW = 8, 0.25  # so many numbers of which half lie in the lowest quarter, 
 
 def along(results: Results, dim: str) -> Figure | None:
     """A panel for each quantity; words stand in rows, numbers that change together have a row of panels each."""
-    labels = results.labels(dim)
-    words = bool(labels) and isinstance(labels[0], str)
+    labels, words = results.labels(dim), in_rows(results, dim)
     shown = [quantity for quantity in results.measures if _any(results, quantity, dim, words)]
     if not shown or len(labels) < 2:
         return None
@@ -40,6 +39,24 @@ def along(results: Results, dim: str) -> Figure | None:
                 _draw_numbers(axes, results, quantity, dim, name)
     key(figure, results, shown[-1].variable, {} if words else results.marked)
     return figure
+
+
+def in_rows(results: Results, dim: str) -> bool:
+    """Whether labels are words, or count what goes together in words alone."""
+    return isinstance(results.labels(dim)[:1][0], str) or bool(_beside(results, dim))
+
+
+def _beside(results: Results, dim: str) -> list[str]:
+    """Names of the words that go with numbers along an axis, if no numbers do."""
+    told = [str(name) for name, c in results.data.coords.items() if c.dims == (dim,) and c.dtype.kind in "UOT"]
+    varied = [name for name in told if name != dim and np.unique(results.data[name].values).size > 1]
+    return varied if abscissae(results, dim) == [dim] else []
+
+
+def _words(results: Results, dim: str) -> list[str]:
+    """In the rows of an axis."""
+    columns = [results.labels(name) for name in _beside(results, dim)] or [results.labels(dim)]
+    return [", ".join(map(str, row)) for row in zip(*columns, strict=True)]
 
 
 def abscissae(results: Results, dim: str) -> list[str]:
@@ -74,7 +91,7 @@ def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> No
     """A row for each word; published numbers stand beside the first variant's."""
     labels = results.labels(dim)[:ROOM]
     values, every = _values(results, quantity, dim, results.sea), list(series(results, quantity.variable))
-    categories(axes, labels)
+    categories(axes, _words(results, dim)[:ROOM])
     for (item, support, look), lane in zip(every, lanes(len(every)), strict=True):
         for row, label in enumerate(labels):
             numbers = finite(values.sel({"platform": support, "float": item, dim: label})) / quantity.scale

@@ -92,7 +92,7 @@ def _place(view: sketch.Drawn, rest: Sequence[np.ndarray], pose: Pose) -> None:
     for number, dot in view.hinges.items():
         dot.set_data(*pose.hinges[number][:, None])
     for number, name in view.names.items():
-        name.set_position((pose.centres[number, 0], pose.hulls[number][:, 1].min() - sketch.BELOW))
+        name.xy = pose.centres[number, 0], pose.hulls[number][:, 1].min()
     for line, (x, z) in zip(view.lines, np.concatenate([*pose.fairleads, np.zeros((0, 2))]), strict=True):
         points = np.array(line.get_xydata())
         points[0] = x, z

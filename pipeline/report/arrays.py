@@ -87,7 +87,7 @@ def by_period(results: Results) -> Figure | None:
     """Amplitude of each float along each axis that any has; of several floats."""
     if not results.has("rao", "wave_frequency") or len(results.labels("float")) < 2:
         return None
-    sea = _widest(results)
+    sea = widest(results)
     rao, period = _at(results, "rao", sea), 2 * np.pi / _at(results, "wave_frequency", sea).values
     moving = [axis for axis in rao.axis.values if rao.sel(axis=axis).notnull().any()] if "axis" in rao.dims else []
     if not moving or np.isfinite(period).sum() < 2:
@@ -117,8 +117,10 @@ def _at(results: Results, name: str, sea: str, **labels: Any) -> xr.DataArray:
     return first_known(values, "seed")
 
 
-def _widest(results: Results) -> str:
-    """The sea state whose waves have most periods that say something of a float."""
+def widest(results: Results) -> str:
+    """The sea state whose waves have most periods that say something of a float; without any the one that is shown."""
+    if "rao" not in results.data:
+        return results.sea
     counts = {sea: int(np.isfinite(_at(results, "rao", sea).values).sum()) for sea in results.labels("sea_state")}
     return str(max(counts, key=lambda sea: counts[sea]))
 
@@ -172,7 +174,7 @@ def q_by_period(results: Results, single: str, label: str) -> tuple[np.ndarray, 
     """Periods (n,) and q (n,) where power take-offs are linear: Σ c|rao|² of a variant over that of one alone."""
     if not results.has("rao", "wave_frequency"):
         return None
-    sea = _widest(results)
+    sea = widest(results)
     each = []
     for variant in (label, single):
         study = _at_variant(results, variant)
@@ -235,6 +237,11 @@ def gain(results: Results) -> Figure | None:
         if name == "sea":
             axes.tick_params(axis="x", rotation=45)
     return figure
+
+
+def of_gain(results: Results) -> str:
+    """Which seas the gain by period, and by heading, is of."""
+    return f"by period from the RAO in {widest(results)}" + f", by heading in {results.sea}" * _turns(results)
 
 
 def _turns(results: Results) -> bool:

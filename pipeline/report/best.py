@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pipeline.report.energy import OF, powers
+from pipeline.report.governing import NOTHING
 from pipeline.report.yearly import (
     BESIDE,
     LEVEL,
@@ -134,13 +135,15 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
 
     A design without a number in a sea, or in a realization that another has, is none of those that are compared in it.
     """
-    for labels, part, designs in platforms(data, variable):
+    every = list(platforms(data, variable))
+    least = NOTHING * max((float(abs(part[variable]).max()) for _, part, _ in every), default=0.0)
+    for labels, part, designs in every:
         for sea, some in seas(part, variable):
             each, label = some[variable], ", ".join(filter(None, [*labels, sea]))
             of = compared(each, designs, some)
             if not of.whole.any():
                 yield label, f"none (of 0 among {of.mean.size})", *["-"] * (5 if _several(data) else 3), counted(each)
-            if not np.nan_to_num(of.mean).any():  # nor is there a best of none that takes power
+            if not (np.abs(of.mean) > least).any():  # nor is there a best of none that takes power
                 continue
             chosen = "any" if of.alike(*range(len(designs))) else ", ".join(_chosen(of))
             if chosen != "any" and (ties := of.ties):

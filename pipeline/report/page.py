@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.report import arrays, envelopes, figures, ranking, report, series, sketch, strips
-from pipeline.report.along import along
+from pipeline.report.along import along, in_rows
 from pipeline.report.drawing import plain, rendered, svg
 from pipeline.report.figures import ROOM, Results, short, told
 from pipeline.report.overview import TEXT, overview
@@ -62,7 +62,7 @@ def write_figures(study: Study, path: Path, form: str) -> Iterator[Path]:
     folder = path.with_name("figures")
     folder.mkdir(exist_ok=True)
     for title, _, figure in _made(results_of(study, path)):
-        words = re.sub(r"\W+", "-", title.lower()).strip("-")
+        words = re.sub(r"\W+", "-", re.sub(r"-(?=\d)", "minus-", title.lower())).strip("-")
         file = folder / f"{words[:LONGEST]}.{form}"
         write_atomic(file, rendered(figure, form, DPI))
         yield file
@@ -217,13 +217,14 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     cut = _cut(results, "sea_state")
     held, legs = _held(results) + cut, envelopes.shown(results)
     of_legs = told(results, results.first_of(legs[0][0])) if legs else ""
-    of_force = told(results, results.first_of(figures.FORCE)) if figures.FORCE in results.data else ""
+    of_force = _filled(results, [figures.FORCE])
+    of_force += told(results, results.first_of(figures.FORCE)) if figures.FORCE in results.data else ""
     at_waves = shown_at(results)
     both = len(beside(results)) > 1
     of_waves = told(results, {dim: at_waves[dim] for dim in results.first if not (both and dim == METHOD)})
-    fixed = "Filled: elastic platform; open: fixed." if len(results.labels("platform")) > 1 else ""
     measures = " and ".join(quantity.name for quantity in figures.shown(results)).capitalize()
-    spread = f"Dots: mean over realizations; bars: least and largest. {fixed}".rstrip()
+    fixed = _filled(results, [quantity.variable for quantity in figures.shown(results)])
+    spread = f"Dots: mean over realizations; bars: least and largest.{fixed}"
     dashed = " Dashed: the frequency domain." if both else ""
     of_extremes = (
         "Lines: mean of the realizations' extremes, of legs drawn as one the largest; bands: least and largest."
@@ -252,14 +253,14 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         *[
             (
                 f"Along {dim.replace('_', ' ')}{_at(results, dim)}",
-                f"{_of_seas(results, dim)}, mean over realizations. {fixed}{_held(results, dim)}{_cut(results, dim)}",
+                f"{_of_seas(results, dim)}, mean over realizations.{fixed}{_held(results, dim)}{_cut(results, dim)}",
                 _along(dim),
             )
             for dim in results.varied
         ],
         (
             "Extremes of the hinge force",
-            f"Least and largest force in each realization, one dot each. {fixed}{of_force}{cut}",
+            f"Least and largest force in each realization, one dot each.{of_force}{cut}",
             strips.hinge_forces,
         ),
         (
@@ -269,12 +270,12 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         (
             "Motion of each float by period",
-            f"Per wave amplitude, first realization.{held}",
+            f"Per wave amplitude; sea state {arrays.widest(results)}, first realization there is.{held}",
             arrays.by_period,
         ),
         (
             "Gain of the array",
-            "q: mean power over that of as many floats alone, of floats that are alike; by period from the RAO." + held,
+            f"q: mean power over that of as many floats alone, floats that are alike; {arrays.of_gain(results)}.{held}",
             arrays.gain,
         ),
         *series.entries(results),
@@ -282,10 +283,16 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     ]
 
 
+def _filled(results: Results, drawn: list[str]) -> str:
+    """How marks tell the platforms that these have numbers for."""
+    several = any(len(results.supports(name)) > 1 for name in drawn if name in results.data)
+    return " Filled: elastic platform; open: fixed." if several else ""
+
+
 def _cut(results: Results, dim: str) -> str:
     """That a figure has no room for all labels, which stand in rows where they are words."""
     labels, seas = results.labels(dim), " sea states" if dim == "sea_state" else ""
-    rows = len(labels) > ROOM and isinstance(labels[0], str)
+    rows = len(labels) > ROOM and in_rows(results, dim)
     return f" The first {ROOM} of {len(labels)}{seas}." if rows else ""
 
 
@@ -305,7 +312,7 @@ def _headed(results: Results) -> str:
 
 def _of_seas(results: Results, dim: str) -> str:
     """Which sea states a figure along an axis is of: where words stand in rows there is room for one."""
-    several = len(results.marked) > 1 and not isinstance(results.labels(dim)[0], str)
+    several = len(results.marked) > 1 and not in_rows(results, dim)
     return "Each sea state" if several else f"Sea state {results.sea}"
 
 

@@ -21,7 +21,7 @@ from pipeline.report.units import factor
 from pipeline.report.yearly import FAILED, counted, realized
 from pipeline.results.arrays import INNER
 from pipeline.results.dataset import NO_TASK, once
-from pipeline.results.variables import AT_STOPS, meaning
+from pipeline.results.variables import OF_RECORDS, meaning
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -269,13 +269,13 @@ def summary_rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
     # Of a regular sea there is one task, whatever the seed.
     own = data["task"].copy(data=once(data["task"].values)) if "task" in data else True
     for label in data.data_vars:
-        known = "statistic" in data[label].dims or label in AT_STOPS
+        known = "statistic" in data[label].dims or label in OF_RECORDS
         if not known or (values := data[label].compute()).isnull().all():
             continue
         if label == "electrical_power":
             values = values.fillna(data["absorbed_power"].compute())
         values = values.where(own)
-        if label in AT_STOPS:
+        if label in OF_RECORDS:
             values = values.expand_dims(statistic=[""])
         size = abs(values)
         values = values.where(~(size < ROUNDING * size.max()), 0.0)

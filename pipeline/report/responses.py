@@ -30,7 +30,8 @@ def beside(results: Results) -> list[dict[str, Any]]:
     """Labels at which responses are shown, of each method that has numbers there: the frequency domain's stand, dashed,
     beside those of records."""
     at, names = shown_at(results), _outputs(results)
-    every = [at | {METHOD: label} for label in results.labels(METHOD)] or [at]
+    words = [label for label in results.labels(METHOD) if isinstance(label, str)]  # numbers count what goes together
+    every = [at | {METHOD: label} for label in words] or [at]
     return [each for each in every if any(_part(results, name, each).notnull().any() for name in names)]
 
 

@@ -116,7 +116,7 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
     if not series.records:
         return []
     at = f" Sea state {results.sea}.{told(results, {dim: series.labels[dim] for dim in results.first})}"
-    bands = f"Left: the whole record, the second over the first; right: the minute about the largest value.{at}"
+    bands = f"Left: the whole record, later lines over earlier ones; right: about the largest value.{at}"
     return [
         ("Waves", f"Elevation of one realization, and its spectrum beside theory.{at}", lambda _: waves(series)),
         ("Response of the platform", f"First leg. {bands}", lambda _: draw(response(series))),
@@ -192,7 +192,9 @@ def draw(rows: Sequence[Row]) -> Figure | None:
             axes.margins(x=0)
         whole.set_title(row.words)
     grid[-1][0].set_xlabel("time [s], the whole record")
-    grid[-1][1].set_xlabel(f"time [s], {CLOSE:g} s about the largest value")
+    times = [line.time for row in rows for line in row.lines]
+    shown = min(CLOSE, max(float(np.ptp(time)) for time in times))
+    grid[-1][1].set_xlabel(f"time [s], {shown:.3g} s about the largest value")
     _key(figure, rows)
     return figure
 

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch, Polygon
-    from matplotlib.text import Text
+    from matplotlib.text import Annotation
 
 Point = tuple[float, float]  # x, z [m]
 DIGITS = 3  # of places that are one [m]
-BELOW = 0.15  # m, of a hull is its name
+BELOW = 4  # points, of a hull is its name
 FEW = 1e-9  # m; shorter is seen end on
 
 
@@ -51,7 +51,7 @@ class Drawn(NamedTuple):
     arms: list[Line2D]
     hinges: dict[int, Line2D]  # by number of the float
     lines: list[Line2D]  # of the moorings, float after float
-    names: dict[int, Text]  # by number of the first float that each is of
+    names: dict[int, Annotation]  # by number of the first float that each is of
 
 
 def members(scene: Parameters, stations: Sequence[int] = ()) -> Iterator[list[Point]]:
@@ -120,7 +120,8 @@ def whole(scene: Parameters, near: Box | None = None) -> Box:
     left, right = min([near.left, *(x for x, _ in bars)]), max([near.right, *(x for x, _ in bars)])
     feet = min([near.low, *(z for _, z in bars)])
     in_soil = scene.platform is not None and scene.platform.soil
-    low = (feet if in_soil else max(-scene.water.depth, feet)) - 2.0
+    low = feet if in_soil else max(-scene.water.depth, feet)
+    low -= 0.04 * (near.high - low)
     least = 0.15 * (near.high - low)  # a single pile needs room for its axis' numbers
     aside = max(0.0, least - (right - left) / 2)
     return Box(left - aside, right + aside, low, near.high)
@@ -129,12 +130,13 @@ def whole(scene: Parameters, near: Box | None = None) -> Box:
 def about_water(scene: Parameters, more: Iterable[Point] = ()) -> Box:
     """The floats, the hinges and what stands beside them, and more points."""
     points = [*more] + [p for f in scene.floats for p in [*float_outline(f), (f.hinge[0], f.hinge[2])]]
-    deck = [p for bar in members(scene) for p in bar if p[1] > -1.0]
-    points = points + deck or [(-1.0, 0.0), (1.0, 0.0)]
-    xs, zs = [x for x, _ in points], [z for _, z in points]
-    margin = 0.12 * (max(xs) - min(xs)) + 0.3
-    low = max(min([*zs, -1.0]) - 1.5 * margin, -scene.water.depth - margin)
-    return Box(min(xs) - margin, max(xs) + margin, low, max([*zs, 0.0]) + margin)
+    bars = [p for bar in members(scene) for p in bar]
+    high = max([z for _, z in [*points, *bars]], default=0.0)
+    points = points + [p for p in bars if p[1] > -high] or [(-1.0, 0.0), (1.0, 0.0)]
+    xs, zs = [x for x, _ in points], [0.0, *(z for _, z in points)]
+    margin = 0.15 * max(max(xs) - min(xs), max(zs) - min(zs))
+    low = max(min(zs) - 1.5 * margin, -scene.water.depth - margin)
+    return Box(min(xs) - margin, max(xs) + margin, low, max(zs) + margin)
 
 
 def draw(axes: Axes, scene: Parameters, box: Box) -> Drawn:
@@ -170,7 +172,7 @@ def draw(axes: Axes, scene: Parameters, box: Box) -> Drawn:
     return drawn
 
 
-def label(axes: Axes, scene: Parameters) -> dict[int, Text]:
+def label(axes: Axes, scene: Parameters) -> dict[int, Annotation]:
     """Names of the floats, which it returns, the depth of the water, and the way the waves go."""
     places: dict[Point, list[int]] = {}  # floats behind one another share a place
     for index, item in enumerate(scene.floats):
@@ -180,7 +182,8 @@ def label(axes: Axes, scene: Parameters) -> dict[int, Text]:
     for (x, low), (first, *others) in places.items():
         words = ", ".join(scene.floats[index].name for index in (first, *others))
         shade = INK if others else colour(first)
-        texts[first] = axes.text(x, low - BELOW, words, ha="center", va="top", color=shade)
+        beneath: dict[str, Any] = {"xytext": (0, -BELOW), "textcoords": "offset points", "ha": "center", "va": "top"}
+        texts[first] = axes.annotate(words, (x, low), color=shade, **beneath)
     corner: dict[str, Any] = {"transform": axes.transAxes, "fontsize": "small"}
     axes.text(0.02, 0.02, _depth(scene), ha="left", va="bottom", color=colour(0), **corner)
     along = math.cos(scene.waves.heading)

@@ -162,7 +162,10 @@ VARIABLES = {
 }
 
 # One number each for a record.
-AT_STOPS = ("end_stop_hits", "end_stop_hit_rate", "impact_rate", "end_stop_load", "pto_stroke", "pto_travel")
+OF_RECORDS = (
+    "end_stop_hits", "end_stop_hit_rate", "impact_rate", "end_stop_load", "pto_stroke", "pto_travel",
+    "drift_force", "drift_moment", "drift_offset", "slow_drift",
+)  # fmt: skip
 
 # Numerical choices. A dataset has those that are the same in all its tasks as attributes of the file.
 KNOBS = {
@@ -208,7 +211,7 @@ COORDINATES = {
     "moment": Meaning(None, "Torsion T, bending moments My and Mz"),
     "member_fibre": Meaning("1", "Number of the fibre in the member's section: eight round a tube, or its corners"),
     "fibre": Meaning("1", "Number of the fibre in the leg's section: eight round a tube, a rectangle's corners"),
-    "height": Meaning("m", "Height above the foot of the leg", "height"),
+    "height": Meaning("m", "Height above the foot of the leg"),
     "statistic": Meaning(
         None,
         "Over the analysed time; max, min of parabolas through samples, in the frequency domain as expected of it; std"

@@ -62,7 +62,7 @@ def test_at_rest_the_picture_is_the_sketch(study_of, buan_tables, platform):
                 assert np.array(one.get_path().vertices) == approx(np.array(other.get_path().vertices), abs=1e-12)
         dots = [[np.array(view.hinges[n].get_xydata()) for n in (0, 1)] for view in (shown, drawn)]
         assert np.array(dots[0]) == approx(np.array(dots[1]))
-        names = [[text.get_position() for text in view.names.values()] for view in (shown, drawn)]
+        names = [[text.xy for text in view.names.values()] for view in (shown, drawn)]
         assert np.array(names[0]) == approx(np.array(names[1]), abs=1e-3)
         for one, other in zip(shown.members, drawn.members, strict=True):
             corners = [np.array(bar.get_path().vertices) for bar in (one, other)]
