@@ -112,6 +112,15 @@ def test_motion_by_period_is_at_the_periods_of_its_own_waves(results):
     assert arrays.q_by_period(own, "one", "both") is None
 
 
+def test_captions_name_the_sea_of_what_goes_by_period(results):
+    """That with the most waves that say something, not the highest."""
+    data = results.data.copy(deep=True)
+    data.rao.loc[{"sea_state": "rough", "component": 3}] = np.nan
+    captions = {title: words for title, words, _ in page._list(figures.Results(study=results.study, data=data))}
+    assert "sea state calm," in captions["Motion of each float by period"]
+    assert "by period from the RAO in calm, by heading in rough." in captions["Gain of the array"]
+
+
 def test_motion_by_period_is_that_of_the_first_realization_that_did_not_fail(results):
     data = results.data.expand_dims(seed=[0, 1]).copy(deep=True)
     data.rao[0], data.wave_frequency[0] = np.nan, np.nan

@@ -85,6 +85,8 @@ def test_where_nothing_takes_power_nothing_is_best():
     assert not table(none).lines and not table(none.where(none.seed == 0)).lines
     rough = whole.assign(absorbed_power=whole.absorbed_power.where(whole.sea_state == "rough", 0.0))
     assert [line[0] for line in rows(rough)] == ["rough"]
+    dying = whole.assign(absorbed_power=whole.absorbed_power.where(whole.sea_state == "rough", 1e-16))
+    assert [line[0] for line in rows(dying)] == ["rough"]
     assert [line[0] for line in rows(whole.assign(absorbed_power=-whole.absorbed_power))] == ["mild", "rough"]
 
 

@@ -240,6 +240,15 @@ def test_floats_beyond_the_colours_have_other_marks_and_those_that_hide_one_anot
     assert [text.get_text() for text in apart.get_texts()] == [*size]
 
 
+def test_files_of_figures_tell_minus(results, tmp_path, monkeypatch):
+    data = xr.concat([dataset().assign_coords(stiffness=k) for k in (-5e3, 5e3)], "stiffness")
+    made = [("Along damping at stiffness -5000", "", canvas(1.0, 1.0))]
+    monkeypatch.setattr(page, "results_of", lambda *_: replace(results, data=data))
+    monkeypatch.setattr(page, "_made", lambda _: iter(made))
+    (file,) = page.write_figures(results.study, tmp_path / "statistics.nc", "svg")
+    assert file.name == "along-damping-at-stiffness-minus-5000.svg"
+
+
 @pytest.mark.parametrize(("form", "begins"), [("svg", b"<?xml"), ("png", b"\x89PNG"), ("pdf", b"%PDF")])
 def test_every_figure_is_a_file_of_its_own(results, tmp_path, monkeypatch, form, begins):
     """As the page has them; a second time they are the same to the last bit."""
@@ -680,6 +689,21 @@ def test_the_scene_is_to_scale(results):
     assert {axes.get_aspect() for axes in figure.axes} == {1.0}
 
 
+def test_the_scene_of_a_model_is_that_of_full_scale(study_of, buan_tables):
+    tables = {key: buan_tables[key] for key in ("water", "waves", "sea_states")}
+    limits = []
+    for scale in (1.0, 0.05):
+        tables["water"] = {"depth": 30.0 * scale}
+        first = buan_tables["floats"][0]
+        hull = {name: size if name == "shape" else scale * size for name, size in first["hull"].items()}
+        sizes = {name: [scale * x for x in first[name]] for name in ("hinge", "arm")}
+        tables["floats"] = [{**first, "hull": hull, **sizes}]
+        with plain():
+            (axes,) = sketch.side_view(study_of(tables).content).axes
+        limits.append(np.array([axes.get_xlim(), axes.get_ylim()]) / scale)
+    np.testing.assert_allclose(*limits, rtol=1e-9)
+
+
 def test_the_scene_is_the_first_tasks_and_both_of_platform_and_floats(study_of, buan_tables):
     """At its distance of the hinges, without what is left out."""
     buan_tables["left_out"] = ["rear"]
@@ -766,6 +790,25 @@ def test_a_caption_says_what_the_numbers_beside_sea_states_are(results, heights,
     )
 
 
+def test_a_caption_tells_of_platforms_that_are_drawn(results):
+    """Without floats there is neither power nor rotation, and of one platform all marks are filled."""
+    for platforms, told in ((["elastic", "fixed"], True), (["fixed", "elastic-no-floats"], False)):
+        some = replace(results, data=results.data.sel(platform=platforms))
+        captions = {title: caption for title, caption, _ in page._list(some)}
+        assert ("Filled: elastic" in captions["Power and rotation in each sea state"]) == told
+
+
+def test_words_that_go_with_numbers_stand_in_rows(results):
+    """As of a method and a pressure that are changed together: labels count them. With numbers beside it is these."""
+    data = xr.concat([dataset().assign_coords(together=b) for b in (1, 2)], "together")
+    data = data.assign_coords({"solver.method": ("together", ["time", "frequency"])})
+    with plain():
+        axes = along(replace(results, data=data), "together").axes[0]
+        assert [text.get_text() for text in axes.get_yticklabels()] == ["time", "frequency"]
+        data = data.assign_coords(draft=("together", [1.0, 2.0]))
+        assert along(replace(results, data=data), "together").axes[0].get_xlabel() == "draft"
+
+
 def test_a_long_scatter_table_is_cut(results):
     many = xr.concat([results.data.isel(sea_state=0)] * 30, "sea_state").assign_coords(
         sea_state=[f"s{i}" for i in range(30)], Hs=("sea_state", np.ones(30)), Tp=("sea_state", np.full(30, 5.0))
@@ -830,6 +873,12 @@ def test_responses_are_shown_where_records_have_them(results, small):
     assert [line.get_linestyle() for line in upper.lines] == ["-", "--"]
     (caption,) = (words for title, words, _ in page._list(failed) if title == "Response to the waves")
     assert caption.endswith("Dashed: the frequency domain. Shown at pto damping 200000.")
+    together = "[[axes.together]]\nname = 'method'\n'solver.method' = ['time', 'frequency']\n"
+    together += "'solver.radiation' = [true, false]\n"
+    text = small.read_text().replace("'solver.method' = ['time', 'frequency']\n", "")
+    small.write_text(text.replace("[sea_states", together + "[sea_states", 1))
+    counted = figures.Results(study=load(small), data=failed.data.assign_coords(method=[1, 2]))
+    assert len(responses(counted).axes[0].lines) == 1
 
 
 def test_a_float_without_numbers_leaves_the_others_their_lines(results):

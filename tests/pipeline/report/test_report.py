@@ -356,6 +356,24 @@ def test_no_table_says_minus_nothing(data, tmp_path):
     assert texts(np.array([-0.0, np.nan, -2e-5])) == ["0", "-", "-2e-05"]
 
 
+def test_drift_is_in_the_table():
+    """One number each for a record, of a direction, of none and of an axis."""
+    of = xr.Dataset(
+        {
+            "drift_force": (("seed", "direction"), [[2.0, -1.0], [4.0, -1.0]]),
+            "drift_moment": ("seed", [5.0, 7.0]),
+            "slow_drift": (("seed", "float", "axis"), [[[0.5]], [[0.5]]]),
+        },
+        coords={"direction": ["x", "y"], "float": ["barge"], "axis": ["surge"]},
+    )
+    assert [line[:5] for line in report.summary_rows(of)] == [
+        ("drift_force x", "", "3", "2", "4"),
+        ("drift_force y", "", "-1", "-1", "-1"),
+        ("drift_moment", "", "6", "5", "7"),
+        ("slow_drift surge", "", "0.5", "0.5", "0.5"),
+    ]
+
+
 def test_rounding_beside_a_variables_largest_is_told_as_none():
     """As of a hinge's free axis; what is small, or beside nothing larger, as small as it is, and NaN not at all."""
     values = np.array([[[3e2, -2e2], [4e-13, -4e-13]], [[2e2, -1e2], [2e-6, np.nan]]])
