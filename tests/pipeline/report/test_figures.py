@@ -877,7 +877,8 @@ def test_responses_are_shown_where_records_have_them(results, small):
     together += "'solver.radiation' = [true, false]\n"
     text = small.read_text().replace("'solver.method' = ['time', 'frequency']\n", "")
     small.write_text(text.replace("[sea_states", together + "[sea_states", 1))
-    counted = figures.Results(study=load(small), data=failed.data.assign_coords(method=[1, 2]))
+    every = failed.data.assign({name: failed.data[name].fillna(1.0) for name in added}).assign_coords(method=[1, 2])
+    counted = figures.Results(study=load(small), data=every)
     assert len(responses(counted).axes[0].lines) == 1
 
 
