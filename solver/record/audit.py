@@ -54,11 +54,14 @@ def unmet(
         if errors["mesh_effect"] > s.tolerance:
             note += _panels(scene, h)
         notes.append(note)
-    asked = s.memory_tolerance or USUAL
-    if fit is not None and s.memory == "state-space" and not (fit.error <= asked or _suffices(s, errors)):
-        does = f", which changes what moves by {errors['memory_effect']:.2g}"
-        gap = "" if not fit.error > FAR_OFF * asked else _ringing(scene)
-        notes.append(f"memory_tolerance = {asked:g}: the radiation memory's fit ended at {fit.error:.2g}{does}{gap}")
+    if fit is not None and s.memory == "state-space" and not _remembers(s, fit, errors):
+        asked, moved = s.memory_tolerance, f"changes what moves by {errors['memory_effect']:.2g}"
+        gap = "" if not fit.error > FAR_OFF * (asked or USUAL) else _ringing(scene)
+        ended = f"fit ended at {fit.error:.2g}"
+        if asked:
+            notes.append(f"memory_tolerance = {asked:g}: the radiation memory's {ended}, which {moved}{gap}")
+        else:
+            notes.append(f"the radiation memory {moved}, more than {SWAYED:g}; its {ended}{gap}")
     return notes
 
 
@@ -79,9 +82,11 @@ def _panels(scene: Scene, h: Hydrodynamics | None) -> str:
     return f"; {count}: by it {panels} a body, {more}, or what a hull's own mesh has"
 
 
-def _suffices(s: Settings, errors: Mapping[str, float]) -> bool:
-    """Whether a memory does that nobody asked for a misfit of."""
-    return s.memory_tolerance is None and errors["memory_effect"] <= SWAYED
+def _remembers(s: Settings, fit: RadiationMemory, errors: Mapping[str, float]) -> bool:
+    """Whether a memory does: where nobody asked for a misfit by what it changes, of which a tolerance has its share."""
+    if s.memory_tolerance is not None:
+        return fit.error <= s.memory_tolerance
+    return s.tolerance is not None or errors["memory_effect"] <= SWAYED
 
 
 def doubts(s: Settings, errors: Mapping[str, float]) -> Iterator[str]:

@@ -335,11 +335,12 @@ def test_drag_damps_a_frame_as_in_the_frequency_domain():
 
 def test_a_knob_that_nobody_set_is_unmet_only_by_what_it_does():
     item, h = buoy()
-    fit = replace(prepare(item, h).fit, error=2 * USUAL)
+    poor, good = (replace(prepare(item, h).fit, error=x * USUAL) for x in (2, 0.5))
     little, much = ({"estimated_error": 1e-2, "memory_effect": x * refit.SWAYED} for x in (0.9, 1.1))
     asked = replace(item, settings=replace(item.settings, memory_tolerance=USUAL))
-    assert unmet(item, fit, little) == []
-    assert len(unmet(item, fit, much)) == len(unmet(asked, fit, little)) == 1
+    exact = replace(item, settings=replace(item.settings, tolerance=0.1))
+    assert unmet(item, poor, little) == unmet(asked, good, much) == unmet(exact, poor, much) == []
+    assert len(unmet(item, poor, much)) == len(unmet(item, good, much)) == len(unmet(asked, poor, little)) == 1
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05])
