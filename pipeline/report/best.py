@@ -230,9 +230,11 @@ def by_how_much(of: Compared, at: tuple[int, ...], scale: float) -> str:
 
 
 def one_of(axis: xr.DataArray, place: int) -> str:
-    """One of an axis's values, with those that go along."""
-    along = [named(str(name).rpartition("floats.")[2], other.values[place]) for name, other in _along(axis)]
-    return named(axis.name, axis.values[place]) + f" ({', '.join(along)})" * bool(along)
+    """One of an axis's values, with those that go along; a variant without a title has its name for one."""
+    beside = ((str(name).rpartition("floats.")[2], other.values[place]) for name, other in _along(axis))
+    itself = named(axis.name, axis.values[place])
+    along = [words for name, value in beside if (words := named(name, value)) != itself]
+    return itself + f" ({', '.join(along)})" * bool(along)
 
 
 def _along(axis: xr.DataArray) -> list[tuple[Hashable, xr.DataArray]]:

@@ -211,7 +211,7 @@ COORDINATES = {
     "moment": Meaning(None, "Torsion T, bending moments My and Mz"),
     "member_fibre": Meaning("1", "Number of the fibre in the member's section: eight round a tube, or its corners"),
     "fibre": Meaning("1", "Number of the fibre in the leg's section: eight round a tube, a rectangle's corners"),
-    "height": Meaning("m", "Height above the foot of the leg"),
+    "height": Meaning("m", "Height above the foot of the leg", "height"),
     "statistic": Meaning(
         None,
         "Over the analysed time; max, min of parabolas through samples, in the frequency domain as expected of it; std"

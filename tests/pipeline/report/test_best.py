@@ -120,6 +120,10 @@ def test_a_sample_has_no_end_and_tells_its_values():
     data = data.assign_coords(sample=("sample", [1, 2, 3], {"long_name": "floats.only.mass"}))
     data = data.assign_coords({"floats.only.mass": ("sample", [5e3, 6e3, 7e3])})
     assert [line[1] for line in rows(data)] == ["sample 1 (only.mass 5000)", "sample 3 (only.mass 7000)"]
+    names = {"variant": ("variant", ["one", "two", "three"], {"long_name": "floats.only.mass"})}
+    titled = data.drop_vars("floats.only.mass").rename(sample="variant")
+    titled = titled.assign_coords(names | {"variant_title": ("variant", ["one", "two", "heavy"])})
+    assert [line[1] for line in rows(titled)] == ["one", "three (heavy)"]
     alike = dataset([4, 4, 4], [1, 1, 1])
     assert {line[1] for line in rows(alike)} == {"any"}
 
