@@ -26,7 +26,7 @@ WHOLE = 1.0, 1e2, 1e3, 1e5, 1e6
 KNOWN = ("Hs", "Tp", "wave_height", "wave_period")  # numbers of sea states, along what changes them
 OF_SEAS = re.compile(r"(?<![^ (])(?:sea|sea_states|waves|water)\.([^ ,)]+)")  # in a text with dotted paths
 RECORDS = {"base_seed", "components", "intervals"}  # of waves: other realizations of the same seas
-RUN = ("done", "stale", "failed")  # statuses of tasks that have run
+DONE = ("done", "stale")  # statuses of tasks that have a record
 FAILED = "failed_realizations"
 ERROR = "record_error"  # what a task's number may be off by, in its unit
 ROWS = 60  # that a terminal shows of a table
@@ -109,20 +109,47 @@ def realized(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
 
     With them goes, as a coordinate, where such a task has run and left no number that others of its cell have.
     """
-    import xarray as xr
-
-    own: Any = True
+    own = _own(data)
     single: Any = False
     if "task" in data and "seed" in data["task"].dims:
-        along: dict[str, Any] = {"input_core_dims": [["seed"]], "output_core_dims": [["seed"]], "vectorize": True}
         names = data["task"].compute()
-        own = xr.apply_ufunc(once, names, **along)
         single = (own.sum("seed") == 1) & (names != "").all("seed") & (names.sizes["seed"] > 1)
         single = single.all([dim for dim in single.dims if dim != "sea_state"])
     has = values.notnull()
     lacks = own & ~has & has.any(_tasks(values))
     known = values.where(own).assign_coords({SINGLE: single})
-    return known.assign_coords({FAILED: lacks & data["status"].isin(RUN) if "status" in data else lacks})
+    return known.assign_coords({FAILED: lacks & _failed(data["status"], has) if "status" in data else lacks})
+
+
+def _own(data: xr.Dataset) -> Any:
+    """Where a realization has a task of its own."""
+    import xarray as xr
+
+    if "task" not in data or "seed" not in data["task"].dims:
+        return True
+    along: dict[str, Any] = {"input_core_dims": [["seed"]], "output_core_dims": [["seed"]], "vectorize": True}
+    return xr.apply_ufunc(once, data["task"].compute(), **along)
+
+
+def _failed(status: xr.DataArray, has: xr.DataArray) -> xr.DataArray:
+    """Where tasks failed, or have a record without a number that another realization of their sea has.
+
+    No record of a sea has one of a float that is lifted out there: in all of them counts of fibres' damage alone fail.
+    """
+    lacking = status.isin(DONE)
+    if "fibre" not in has.dims:
+        lacking = lacking & (has.any("seed") if "seed" in has.dims else False)
+    return (status == "failed") | lacking
+
+
+def lost(data: xr.Dataset) -> Iterator[tuple[str, int]]:
+    """Label of every design whose tasks failed and left no record, and how many of them."""
+    if "status" in data:
+        status = data["status"].compute()
+        failed = ((status == "failed") & _own(data)).sum(_tasks(status))
+        none = (failed > 0) & ~status.isin(DONE).any(_tasks(status))
+        for labels, place in cells(failed.where(none), ()):
+            yield ", ".join(labels), int(failed.isel(place))
 
 
 def failures(values: xr.DataArray) -> xr.DataArray:

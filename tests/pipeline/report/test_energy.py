@@ -221,6 +221,18 @@ def test_the_sum_is_unknown_where_a_floats_number_is():
     assert np.isnan(energies(data).power.sel(estimate="value")[-1])
 
 
+def test_a_design_of_which_all_tasks_failed_has_a_line():
+    """The last of each power, of many as well."""
+    for count in (2, MANY + 1):
+        data = xr.concat([dataset(MIRRORED)] * count, "hull").assign_coords(hull=[f"h{n}" for n in range(count)])
+        state = xr.DataArray(np.full((count, 2, 2), "done", dtype="U8"), dims=("hull", "sea_state", "seed"))
+        state[0] = "failed"
+        told = table(data.where(state == "done").assign(status=state))
+        place = -1 if count == 2 else count - 1  # before each float of many
+        assert told.lines[place] == ("h0", "absorbed", *["-"] * 6, "-, 4 failed") and SURVIVORS in told.note
+        assert sum(line[0].startswith("h0") for line in told.lines) == 1
+
+
 def test_a_terminal_shows_the_first_rows_of_many():
     """And says how many there are in the report, or another file."""
     table = Table("Energy", ("design", "float", "of"), [(str(i), "a", "b") for i in range(ROWS + 1200)], "note")

@@ -87,6 +87,41 @@ def test_of_many_designs_together_all_that_failed_are_told():
     assert told.lines[0][3] == "rough" and told.lines[0][-1] == "2, 4 failed" and SURVIVORS in told.note
 
 
+def test_a_float_that_is_lifted_out_in_a_sea_has_not_failed_there():
+    """All tasks are done. One that failed there is told, and one that lacks what the other realization has."""
+    high, low = forces()
+    high[1, :, 1], low[1, :, 1] = np.nan, np.nan
+    data = dataset((high, low)).assign(status=(("sea_state", "seed"), np.full((3, 2), "done", dtype="U8")))
+    told = table(data)
+    assert [line[-1] for line in told.lines] == ["2", "2"] and SURVIVORS not in told.note
+    assert [line[-1] for line in rows(data.isel(seed=0))] == ["1", "1"]
+    failed = data.copy(deep=True)
+    failed.status[1, 0] = "failed"
+    assert [line[-1] for line in rows(failed)] == ["2, 1 failed"] * 2
+    data.hinge_force[0, 1, 1] = np.nan
+    assert [line[-1] for line in rows(data)] == ["2, 1 failed"] * 2
+
+
+def test_designs_of_which_all_tasks_failed_are_told_last():
+    """Not those of which nothing has run, nor a study that has nothing to tell; of many one line has them all."""
+    count = SEVERAL + 3
+    many = xr.concat([dataset(forces())] * count, "sample").assign_coords(sample=np.arange(count))
+    status = np.full((count, 3, 2), "failed", object)
+    status[0], status[1, 1:], status[2] = "done", "missing", "missing"
+    status[0, 1, 1] = "failed"  # among others that have not
+    state = xr.DataArray(status.astype(str), dims=("sample", "sea_state", "seed"))
+    data = many.where(state == "done").assign(status=state)
+    few = table(data.isel(sample=slice(5)))
+    assert few.lines[-3:] == [(f"sample {n}", *["-"] * 8, f"-, {k} failed") for n, k in ((1, 2), (3, 6), (4, 6))]
+    assert SURVIVORS in few.note and len(few.lines) == 5
+    tasks = np.arange(count * 6).reshape(count, 3, 2)
+    tasks[:, 0, 1] = tasks[:, 0, 0]  # a regular sea
+    regular = data.assign(task=(state.dims, tasks.astype(str)))
+    assert table(regular.isel(sample=[0, 3])).lines[-1][-1] == "-, 5 failed"
+    assert table(data).lines[-1] == ("9 designs", *["-"] * 8, "-, 50 failed")
+    assert not table(data.isel(sample=[3, 4])).lines
+
+
 def test_what_no_sea_changes_none_governs():
     high, low = forces()
     high[..., 0], high[1, :, 1, 0] = 2.0, 2.0 + 1e-9

@@ -199,6 +199,13 @@ def test_realizations_that_failed_are_told_those_that_have_not_run_are_not():
     assert not lives(data).failed_realizations.any() and SURVIVORS not in table(data).note
 
 
+def test_a_count_that_fails_in_all_realizations_of_a_sea_is_told():
+    """Though their tasks are done: no sea lifts a leg out."""
+    data = dataset([[4e-6] * 3, [np.nan] * 3]).assign(status=(("sea_state", "seed"), np.full((2, 3), "done")))
+    assert (lives(data).failed_realizations == 3).all()
+    assert [line[-1] for line in rows(data)] == ["0 to 3, 3 failed", "3", "0, 3 failed"]
+
+
 @pytest.mark.parametrize(
     ("hours", "share"),
     [
