@@ -67,8 +67,10 @@ def answers(data: xr.Dataset, pair: Pair | None) -> xr.Dataset:
     for name, (each, units, long_name) in _quantities(data):
         attrs = {"units": units, "long_name": long_name, "comment": f"Mean over realizations and sea states, {seas}"}
         left_out = {"units": "1", "long_name": "Number of realizations that failed, which are in no mean"}
-        found.setdefault(FAILED, failures(each).assign_attrs(left_out))
+        failed = failures(each).assign_attrs(left_out)
+        found.setdefault(FAILED, failed)
         if name in AT:
+            found[f"{name}_{FAILED}"] = failed  # a count may fail in a record that has power
             steel = lives(data, name)  # with the interval of the logarithm: damage is skewed
             found[name] = steel["damage"].assign_attrs(attrs)
             life = {"units": "s", "long_name": f"Life of the steel by fatigue, 1/{name}, at the {AT[name]} of a leg"}

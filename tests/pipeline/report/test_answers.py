@@ -76,6 +76,20 @@ def test_realizations_that_failed_are_counted():
     assert found.mean_power_difference.sel({"float": "front", "estimate": "value"}) == approx(0.75 * 12 + 0.25 * 41)
 
 
+def test_damage_has_a_count_of_its_own():
+    """One of it fails where there is power, and at the top where there is one at the foot."""
+    data = dataset().copy(deep=True)
+    data["damage_top"] = data.damage.copy(deep=True)
+    data.damage[0, 1, 1] = np.nan
+    data.damage_top[0, :2] = np.nan
+    found = answers(data, None)
+    assert not found.failed_realizations.any() and "float" in found.failed_realizations.dims
+    assert found.damage_failed_realizations.values.ravel().tolist() == [0, 1]
+    assert found.damage_top_failed_realizations.values.ravel().tolist() == [2, 2]
+    alone = answers(data.drop_vars(["absorbed_power", "wave_power"]), None)
+    assert alone.failed_realizations.identical(found.damage_failed_realizations.rename("failed_realizations"))
+
+
 def test_a_single_sea_of_a_single_realization_is_written(tmp_path):
     """A count over no dimension is one: what is true or false no file takes."""
     data = dataset().isel(sea_state=[0], seed=0, drop=True)
