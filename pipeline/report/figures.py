@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.report.drawing import INK, MARKERS, PAPER, above, canvas, categories, colour, lanes, marker, together
 from pipeline.report.published import Published
-from pipeline.report.yearly import prefix
+from pipeline.report.yearly import FAILED, SURVIVORS, prefix, realized
 from pipeline.study.seas import height
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import axes as axes_of
@@ -64,7 +64,14 @@ class Results:
 
     def values(self, name: str, /, **labels: Any) -> xr.DataArray:
         """A variable with all axes of a study as dimensions, or the part of it with these labels."""
-        values = self.data[name]
+        return self._part(self.data[name], labels)
+
+    def survivors(self, names: Sequence[str], held: Mapping[str, Any], drawn: Mapping[str, Sequence[Any]]) -> str:
+        """A sentence where a mean that is drawn of these variables leaves out realizations that failed."""
+        every = (self._part(realized(self.data, self.data[name]), held).sel(drawn) for name in names)
+        return SURVIVORS if any((each[FAILED] & each.notnull().any("seed")).any() for each in every) else ""
+
+    def _part(self, values: xr.DataArray, labels: Mapping[str, Any]) -> xr.DataArray:
         for dim in axes_of(self.study.content):
             if dim not in values.dims:
                 values = values.expand_dims({dim: 1} if dim not in values.coords else [dim])

@@ -216,14 +216,20 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
     """Title, caption and maker of each figure, in order."""
     cut = _cut(results, "sea_state")
     held, legs = _held(results) + cut, envelopes.shown(results)
-    of_legs = told(results, results.first_of(legs[0][0])) if legs else ""
+    of_legs = ""
+    if legs:
+        at_legs = results.first_of(legs[0][0])
+        of_legs = results.survivors([name for name, *_ in legs], at_legs, {"sea_state": [results.sea]})
+        of_legs += told(results, at_legs)
     of_force = _filled(results, [figures.FORCE])
     of_force += told(results, results.first_of(figures.FORCE)) if figures.FORCE in results.data else ""
     at_waves = shown_at(results)
     both = len(beside(results)) > 1
     of_waves = told(results, {dim: at_waves[dim] for dim in results.first if not (both and dim == METHOD)})
     measures = " and ".join(quantity.name for quantity in figures.shown(results)).capitalize()
-    fixed = _filled(results, [quantity.variable for quantity in figures.shown(results)])
+    variables = [quantity.variable for quantity in figures.shown(results)]
+    of_seas = results.survivors(variables, results.first, {"sea_state": results.seas})
+    fixed = _filled(results, variables)
     spread = f"Dots: mean over realizations; bars: least and largest.{fixed}"
     dashed = " Dashed: the frequency domain." if both else ""
     of_extremes = (
@@ -247,13 +253,13 @@ def _list(results: Results) -> list[tuple[str, str, Callable[[Results], Figure |
         ),
         (
             f"{measures} in each sea state{_at(results)}",
-            f"{spread}{_headed(results)}{held}",
+            f"{spread}{of_seas}{_headed(results)}{held}",
             figures.sea_states,
         ),
         *[
             (
                 f"Along {dim.replace('_', ' ')}{_at(results, dim)}",
-                f"{_of_seas(results, dim)}, mean over realizations.{fixed}{_held(results, dim)}{_cut(results, dim)}",
+                f"{_of_seas(results, dim)}, mean over realizations.{fixed}{_of_axis(results, dim)}",
                 _along(dim),
             )
             for dim in results.varied
@@ -314,6 +320,16 @@ def _of_seas(results: Results, dim: str) -> str:
     """Which sea states a figure along an axis is of: where words stand in rows there is room for one."""
     several = len(results.marked) > 1 and not in_rows(results, dim)
     return "Each sea state" if several else f"Sea state {results.sea}"
+
+
+def _of_axis(results: Results, dim: str) -> str:
+    """What a figure along an axis leaves out of its means, is held at, and has no room for."""
+    words = in_rows(results, dim)
+    variables = [quantity.variable for quantity in results.measures]
+    held = {name: label for name, label in results.first.items() if name != dim}
+    seas = [results.sea] if words else list(results.marked)
+    drawn = {"sea_state": seas, dim: results.labels(dim)[: ROOM if words else None]}
+    return results.survivors(variables, held, drawn) + _held(results, dim) + _cut(results, dim)
 
 
 def _at(results: Results, *about: str) -> str:

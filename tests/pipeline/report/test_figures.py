@@ -18,6 +18,7 @@ from pipeline.report.along import along
 from pipeline.report.drawing import above, canvas, plain, rendered, svg
 from pipeline.report.published import COLUMNS, read_published
 from pipeline.report.responses import responses
+from pipeline.report.yearly import SURVIVORS
 from pipeline.tasks.study import Study
 
 METHODS = ("frequency", "time")
@@ -610,6 +611,35 @@ def test_a_leg_is_drawn_at_its_own_heights(results):
     assert "Envelopes along the legs" in titles(uneven)
 
 
+@pytest.mark.parametrize(
+    ("failed", "seas", "axis", "words", "legs"),
+    [
+        ({}, False, False, False, False),
+        ({"sea_state": "rough", "pto_damping": 1e5, "seed": 1}, True, True, True, True),
+        ({"sea_state": "rough", "pto_damping": 1e5}, False, False, False, False),  # there is no mean of any
+        ({"sea_state": "rough", "pto_damping": 2e5, "seed": 0}, False, True, True, False),
+        ({"sea_state": "calm", "pto_damping": 1e5, "seed": 1}, True, True, False, False),
+    ],
+)
+def test_captions_say_where_a_mean_that_is_drawn_is_of_survivors(results, failed, seas, axis, words, legs):
+    """Of numbers both sea states are drawn along an axis, of words the high one alone."""
+    one = dataset()
+    one = one.where(one.status != "failed", one.sel(seed=0)).assign(task=one.task)
+    data = xr.concat([one.assign_coords(pto_damping=b) for b in (1e5, 2e5)], "pto_damping")
+    data = data.assign(task=(data.status.dims, np.arange(data.status.size).reshape(data.status.shape).astype(str)))
+    if failed:
+        data["status"].loc[failed | {"platform": "elastic"}] = "failed"
+        ran = data.status != "failed"
+        data = data.assign({name: of.where(ran) for name, of in data.data_vars.items() if of.dtype.kind == "f"})
+    varied = replace(results, data=data)
+    told = {title.partition(" at ")[0]: SURVIVORS in caption for title, caption, _ in page._list(varied)}
+    titles = "Power and rotation in each sea state", "Along pto damping", "Envelopes along the legs"
+    assert [told.pop(title) for title in titles] == [seas, axis, legs] and not any(told.values())
+    named = replace(varied, data=data.assign_coords(pto_damping=["a", "b"]))
+    (caption,) = (words for title, words, _ in page._list(named) if title == "Along pto damping")
+    assert (SURVIVORS in caption) == words
+
+
 def test_dots_stand_at_the_numbers(results):
     """Shown in kW: the mean of the calm sea's two realizations."""
     with plain():
@@ -785,8 +815,8 @@ def test_a_caption_says_what_the_numbers_beside_sea_states_are(results, heights,
     data = results.data.drop_vars(["Hs", "Tp"]).assign_coords(numbers)
     (caption,) = (words for title, words, _ in page._list(replace(results, data=data)) if "in each sea state" in title)
     assert (
-        caption
-        == f"Dots: mean over realizations; bars: least and largest. Filled: elastic platform; open: fixed.{told}"
+        caption == "Dots: mean over realizations; bars: least and largest. Filled: elastic platform; open: fixed."
+        f"{SURVIVORS}{told}"
     )
 
 
