@@ -239,7 +239,7 @@ class Filming:
 def answer(study: Study, path: Path, between: str) -> Path:
     """Print the answers of the dataset at `path`, and write them beside it."""
     from pipeline.report import answers, report
-    from pipeline.report.yearly import show
+    from pipeline.report.tables import show
     from pipeline.results import dataset
 
     with dataset.opened(path) as data:
@@ -259,7 +259,7 @@ def answer(study: Study, path: Path, between: str) -> Path:
 def _table(study: Study, path: Path) -> str:
     from pipeline.report import report
     from pipeline.report.published import read_published
-    from pipeline.report.yearly import show
+    from pipeline.report.tables import show
     from pipeline.results import dataset
 
     with dataset.opened(path) as data, out.capture() as drawn:

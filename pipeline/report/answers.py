@@ -13,19 +13,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from pipeline.report.best import power_in
 from pipeline.report.energy import powers
 from pipeline.report.life import AT, lives
+from pipeline.report.tables import Table, texts
 from pipeline.report.yearly import (
     ESTIMATES,
     FAILED,
     HOUR,
     LEVEL,
     YEAR,
-    Table,
     cells,
     failures,
     over_seas,
     realized,
     sea_keys,
-    texts,
     weighed,
 )
 from pipeline.results.dataset import with_coordinates

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from pipeline.report.yearly import MANY, MARK, Counts, Table, by_sea, cells, counts, named, of_survivors, realized
+from pipeline.report.tables import MANY, MARK, Table, of_survivors
+from pipeline.report.yearly import Counts, by_sea, cells, counts, named, realized
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,22 +9,8 @@ import numpy as np
 
 from pipeline.report.energy import OF, powers
 from pipeline.report.governing import NOTHING
-from pipeline.report.yearly import (
-    BESIDE,
-    LEVEL,
-    OfTasks,
-    Table,
-    by_sea,
-    cells,
-    counted,
-    marked,
-    named,
-    prefix,
-    remarks,
-    sea_keys,
-    texts,
-    weighed,
-)
+from pipeline.report.tables import Table, marked, prefix, remarks, texts
+from pipeline.report.yearly import BESIDE, LEVEL, OfTasks, by_sea, cells, counted, named, sea_keys, weighed
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,26 +8,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from pipeline.report.tables import MANY, Table, marked, prefix, remarks, texts
 from pipeline.report.yearly import (
     FAILED,
     HOUR,
     LEVEL,
-    MANY,
     YEAR,
     Counts,
-    Table,
     cells,
     counts,
     failures,
     lost,
-    marked,
     of_part,
     off,
     over_seas,
-    prefix,
     realized,
-    remarks,
-    texts,
     weighed,
     with_errors,
 )

@@ -12,7 +12,8 @@ import numpy as np
 
 from pipeline.report.drawing import INK, MARKERS, PAPER, above, canvas, categories, colour, lanes, marker, together
 from pipeline.report.published import Published
-from pipeline.report.yearly import FAILED, SURVIVORS, prefix, realized
+from pipeline.report.tables import SURVIVORS, prefix
+from pipeline.report.yearly import FAILED, realized
 from pipeline.study.seas import height
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import axes as axes_of

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.report.yearly import Counts, Table, cells, counts, failures, lost, named, of_survivors, realized
+from pipeline.report.tables import Table, of_survivors
+from pipeline.report.yearly import Counts, cells, counts, failures, lost, named, realized
 from pipeline.results.arrays import INNER
 from pipeline.results.variables import meaning
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipeline.report.tables import Table, marked, remarks, texts
 from pipeline.report.yearly import (
     ESTIMATES,
     FAILED,
@@ -14,18 +15,14 @@ from pipeline.report.yearly import (
     LEVEL,
     YEAR,
     Counts,
-    Table,
     by_sea,
     cells,
     counts,
     failures,
-    marked,
     of_part,
     off,
     over_seas,
     realized,
-    remarks,
-    texts,
     weighed,
     with_errors,
 )

@@ -10,7 +10,8 @@ import numpy as np
 
 from pipeline.report.best import ALONE, Compared, by_how_much, compared, one_of, platforms, power_in, seas
 from pipeline.report.energy import OF
-from pipeline.report.yearly import LEVEL, MANY, Table, counted, marked, prefix, remarks, weighed
+from pipeline.report.tables import MANY, Table, marked, prefix, remarks
+from pipeline.report.yearly import LEVEL, counted, weighed
 from pipeline.study.layout import spaced
 
 if TYPE_CHECKING:

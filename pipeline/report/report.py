@@ -14,9 +14,10 @@ from rich.markup import escape
 from rich.segment import Segments
 from rich.table import Table
 
-from pipeline.report import bearing, best, energy, governing, life, ranking, yearly
+from pipeline.report import bearing, best, energy, governing, life, ranking
 from pipeline.report.governing import COMPONENTS, unit
 from pipeline.report.published import Published
+from pipeline.report.tables import Table as Answer
 from pipeline.report.units import factor
 from pipeline.report.yearly import FAILED, counted, realized
 from pipeline.results.arrays import INNER
@@ -226,7 +227,7 @@ def sentences(mine: list[tuple[Published, Ours | None]]) -> Iterator[str]:
         yield f"{'; '.join(names)}: {note}"
 
 
-def answers(data: xr.Dataset) -> list[yearly.Table]:
+def answers(data: xr.Dataset) -> list[Answer]:
     """What a study is for, as far as it is of that: the best designs, energy, governing seas, steel and its life."""
     return [of.table(data) for of in (best, ranking, energy, governing, bearing, life)]
 

@@ -1,9 +1,9 @@
-"""Means over realizations and sea states, these by their occurrence, each with its interval; and tables of them."""
+"""Means over realizations and sea states, these by their occurrence, each with its interval."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -12,13 +12,10 @@ from pipeline.results.dataset import once
 
 if TYPE_CHECKING:
     import xarray as xr
-    from rich.console import Console
 
 LEVEL = 0.95  # of the intervals
-PLAIN = 100.0  # below which numbers are told without a prefix [W or N]
 HOUR, YEAR = 3600.0, 365.25 * 24.0  # [s], [h]
 ESTIMATES = ("value", "low", "high")
-WORDS = 2  # columns of a table that are words
 DAY = 24.0  # the least sum of occurrences that looks like hours [h]
 FULL = 8700.0, 8800.0  # between these they are those of a year [h]
 # Sums of shares, percent, per mille, and of counts that scatter diagrams have; not 10,000, which hours might be.
@@ -29,15 +26,8 @@ RECORDS = {"base_seed", "components", "intervals"}  # of waves: other realizatio
 DONE = ("done", "stale")  # statuses of tasks that have a record
 FAILED = "failed_realizations"
 ERROR = "record_error"  # what a task's number may be off by, in its unit
-ROWS = 60  # that a terminal shows of a table
-MANY = 10  # designs; of more than these the first of a ranking are told, and all floats before each
 SINGLE = "single_task"  # whether a sea state has one task whatever the seed: a regular or still one
 BESIDE = (FAILED, ERROR, SINGLE)  # coordinates that go with tasks' numbers
-MARK = " *"
-OFF = (
-    f"{MARK}: by their estimated_error records may be off by more than this interval, which is of their scatter alone."
-)
-SURVIVORS = " Realizations that failed, as a rule the roughest, are in no mean."
 
 
 class OfTasks(NamedTuple):
@@ -246,15 +236,6 @@ def of_part(data: xr.Dataset) -> str:
     return f"{told} the rest counts as if the same seas went on; with nothing in the rest a year has that share of it."
 
 
-class Table(NamedTuple):
-    """Lines of text under a header, the first WORDS of each in words; and how to read them."""
-
-    title: str
-    header: tuple[str, ...]
-    lines: list[tuple[str, ...]]
-    note: str
-
-
 def cells(values: xr.DataArray, inner: Collection[Hashable]) -> Iterator[tuple[list[str], dict[Hashable, int]]]:
     """Labels along all dimensions but the inner ones, realizations and sea states, and places, where there are numbers.
 
@@ -305,44 +286,3 @@ def counted(values: xr.DataArray) -> str:
     """Numbers of realizations of all places together."""
     of = counts(values)
     return str(Counts(of.least.min(), of.most.max(), of.failed.sum()))
-
-
-def of_survivors(lines: Iterable[tuple[str, ...]]) -> str:
-    """A sentence where realizations failed, as the last column has it."""
-    return SURVIVORS if any("failed" in line[-1] for line in lines) else ""
-
-
-def remarks(lines: Collection[tuple[str, ...]]) -> str:
-    """Sentences where numbers are marked, and where realizations failed."""
-    return OFF * any(line[WORDS].endswith(MARK) for line in lines) + of_survivors(lines)
-
-
-def prefix(values: xr.DataArray) -> tuple[str, float]:
-    """Of the unit in which numbers are told, and its factor: thousands, or the unit itself of a model's."""
-    return ("", 1.0) if float(abs(values).max()) < PLAIN else ("k", 1e3)
-
-
-def texts(numbers: np.ndarray) -> list[str]:
-    """Three digits of each."""
-    return ["-" if np.isnan(number) else f"{number:z.3g}" for number in numbers]
-
-
-def marked(found: np.ndarray, error: Any, scale: float) -> list[str]:
-    """Value, low and high over scale as text; the value with a mark if it may be off by more."""
-    value, *ends = texts(found / scale)
-    return [value + MARK * bool(error > found[2] - found[0]), *ends]
-
-
-def show(table: Table, console: Console, whole: str = "report.html") -> None:
-    """The table, if it has lines; a narrow terminal wraps them. whole: the file that has all of a long one."""
-    if not table.lines:
-        return
-    widths = [max(map(len, column)) for column in zip(table.header, *table.lines, strict=True)]
-    console.print(table.title, style="bold")
-    for line in (table.header, *table.lines[:ROWS]):
-        columns = enumerate(zip(line, widths, strict=True))
-        row = [word.ljust(n) if i < WORDS else word.rjust(n) for i, (word, n) in columns]
-        console.print("  ".join(row), soft_wrap=True, highlight=False, markup=False)
-    if (more := len(table.lines) - ROWS) > 0:
-        console.print(f"  ... and {more:,} more, in {whole}", highlight=False, markup=False)
-    console.print(f"  {table.note}", soft_wrap=True, highlight=False, markup=False)

@@ -6,7 +6,8 @@ import xarray as xr
 from conftest import SMALL
 
 from pipeline.bridge.loading import load
-from pipeline.report import arrays, figures, page
+from pipeline.report import arrays, figures
+from pipeline.report.captions import entries
 from pipeline.report.drawing import plain
 
 PAIR = """
@@ -116,7 +117,7 @@ def test_captions_name_the_sea_of_what_goes_by_period(results):
     """That with the most waves that say something, not the highest."""
     data = results.data.copy(deep=True)
     data.rao.loc[{"sea_state": "rough", "component": 3}] = np.nan
-    captions = {title: words for title, words, _ in page._list(figures.Results(study=results.study, data=data))}
+    captions = {title: words for title, words, _ in entries(figures.Results(study=results.study, data=data))}
     assert "sea state calm," in captions["Motion of each float by period"]
     assert "by period from the RAO in calm, by heading in rough." in captions["Gain of the array"]
 
@@ -148,7 +149,7 @@ def test_the_gain_is_over_as_many_floats_alone(results):
     assert by_period.lines[0].get_ydata() == pytest.approx(exact)
     np.testing.assert_allclose(by_heading.lines[0].get_xydata(), [[0, 1.2], [np.degrees(0.5), 1.8]])
     assert by_sea.lines[0].get_ydata() == pytest.approx([1.2, 1.2])
-    titles = [title for title, _, _ in page._list(results)]
+    titles = [title for title, _, _ in entries(results)]
     assert {"From above", "Motion of each float by period", "Gain of the array"} <= set(titles)
 
 

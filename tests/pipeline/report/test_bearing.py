@@ -6,7 +6,8 @@ import xarray as xr
 from pipeline.report import bearing
 from pipeline.report.bearing import HEADER, NOTE, rows, table
 from pipeline.report.report import answers
-from pipeline.report.yearly import MANY, SURVIVORS, counts
+from pipeline.report.tables import MANY, SURVIVORS
+from pipeline.report.yearly import counts
 
 EACH = [[[0.2, 0.4], [0.3, 0.1]], [[0.8, 1.5], [0.7, 1.2]], [[1.4, 1.1], [0.5, 0.7]]]  # sea, seed, tube
 

@@ -12,7 +12,8 @@ from scipy import stats
 
 from pipeline.report import best, energy
 from pipeline.report.energy import ALL, energies, rows, table
-from pipeline.report.yearly import MANY, OFF, ROWS, SURVIVORS, Table, over_seas, show
+from pipeline.report.tables import MANY, OFF, ROWS, SURVIVORS, Table, show
+from pipeline.report.yearly import over_seas
 
 README = Path(__file__).parents[3] / "studies" / "README.md"
 HOURS = 365.25 * 24

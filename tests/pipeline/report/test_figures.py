@@ -15,10 +15,11 @@ from pipeline.bridge.loading import load
 from pipeline.cli import cli
 from pipeline.report import envelopes, figures, overview, page, sketch, strips
 from pipeline.report.along import along
+from pipeline.report.captions import entries
 from pipeline.report.drawing import above, canvas, plain, rendered, svg
 from pipeline.report.published import COLUMNS, read_published
 from pipeline.report.responses import responses
-from pipeline.report.yearly import SURVIVORS
+from pipeline.report.tables import SURVIVORS
 from pipeline.tasks.study import Study
 
 METHODS = ("frequency", "time")
@@ -215,7 +216,7 @@ def test_few_sea_states_have_a_line_each_along_an_axis(results, count, told):
     power = 3 if count == 7 else 1
     mean = one.absorbed_power.sel(platform="elastic", float="front", statistic="mean").mean("seed").item() / 1e3
     assert figure.axes[0].lines[0].get_ydata() == pytest.approx(power * mean)
-    (caption,) = (caption for title, caption, _ in page._list(varied) if title == "Along pto damping")
+    (caption,) = (caption for title, caption, _ in entries(varied) if title == "Along pto damping")
     assert caption.startswith(f"{told}, mean over realizations.")
     for floats, lines in ((2, len(shown)), (3, 0)):
         fleet = xr.concat([data.assign_coords(float=[f"float-{i}"]) for i in range(floats)], "float")
@@ -383,7 +384,7 @@ def test_legs_are_drawn_with_the_first_labels_that_have_envelopes(small):
     legs = one.displacement_envelope.sel(sea_state="rough", leg=1)
     for line, platform in zip(panel.lines, ("elastic", "elastic-no-floats"), strict=True):
         assert line.get_xdata() == pytest.approx(2 * legs.sel(platform=platform).mean("seed").values)
-    (caption,) = (words for title, words, _ in page._list(both) if title == "Envelopes along the legs")
+    (caption,) = (words for title, words, _ in entries(both) if title == "Envelopes along the legs")
     assert caption.endswith("Shown at pto damping 100000; method time; radiation false.")
     # Each label has some, and the first ones have none together.
     data["rotation"].loc[{"method": "frequency", "radiation": "true"}] = np.nan
@@ -460,12 +461,12 @@ def test_words_that_have_no_room_are_counted(small):
     words = [f"v{i}" for i in range(30)]
     variants = "".join(f"[variants.{word}]\n" for word in words)
     many = along_of(small, "variant", variants, variant=words)
-    captions = {title: caption for title, caption, _ in page._list(many)}
+    captions = {title: caption for title, caption, _ in entries(many)}
     assert captions["Along variant"].endswith(" The first 24 of 30.")
     with plain():
         assert len(along(many, "variant").axes[0].get_yticks()) == figures.ROOM
     few = replace(many, data=many.data.isel(variant=slice(24)))
-    assert not any("The first" in caption for _, caption, _ in page._list(few))
+    assert not any("The first" in caption for _, caption, _ in entries(few))
     beyond = replace(many, data=many.data.where(many.data.variant == "v29"))
     assert along(beyond, "variant") is None
 
@@ -535,12 +536,12 @@ def test_it_is_said_at_what_the_other_axes_are_held(small, tmp_path):
     varied = along_of(small, "depth", lines, depth=[np.inf, 60.0])
     data = xr.concat([varied.data] * 2, "variant").assign_coords(variant=["usual", "deep"], pto_damping=1e5)
     both = replace(varied, data=data)
-    captions = {title: caption.partition("Shown at ")[2] for title, caption, _ in page._list(both)}
+    captions = {title: caption.partition("Shown at ")[2] for title, caption, _ in entries(both)}
     assert "Power in each sea state at variant usual, depth inf" in captions
     assert captions["Along depth at variant usual"] == "pto damping 100000; variant usual."
     assert captions["Along variant at depth inf"] == "pto damping 100000; depth inf."
     (tmp_path / "p.csv").write_text(PUBLISHED.replace(",sea_state", ",depth=60.0;sea_state"))
-    whole = {title: caption for title, caption, _ in page._list(both)}
+    whole = {title: caption for title, caption, _ in entries(both)}
     assert whole["Along depth at variant usual"].startswith("Each sea state, mean")
     assert whole["Along variant at depth inf"].startswith("Sea state rough, mean")
     text = page.html(replace(both, published=read_published(tmp_path / "p.csv")))
@@ -632,11 +633,11 @@ def test_captions_say_where_a_mean_that_is_drawn_is_of_survivors(results, failed
         ran = data.status != "failed"
         data = data.assign({name: of.where(ran) for name, of in data.data_vars.items() if of.dtype.kind == "f"})
     varied = replace(results, data=data)
-    told = {title.partition(" at ")[0]: SURVIVORS in caption for title, caption, _ in page._list(varied)}
+    told = {title.partition(" at ")[0]: SURVIVORS in caption for title, caption, _ in entries(varied)}
     titles = "Power and rotation in each sea state", "Along pto damping", "Envelopes along the legs"
     assert [told.pop(title) for title in titles] == [seas, axis, legs] and not any(told.values())
     named = replace(varied, data=data.assign_coords(pto_damping=["a", "b"]))
-    (caption,) = (words for title, words, _ in page._list(named) if title == "Along pto damping")
+    (caption,) = (words for title, words, _ in entries(named) if title == "Along pto damping")
     assert (SURVIVORS in caption) == words
 
 
@@ -813,7 +814,7 @@ def test_the_same_figure_has_the_same_bytes(results):
 def test_a_caption_says_what_the_numbers_beside_sea_states_are(results, heights, periods, told):
     numbers = {name: ("sea_state", values) for name, values in (heights | periods).items()}
     data = results.data.drop_vars(["Hs", "Tp"]).assign_coords(numbers)
-    (caption,) = (words for title, words, _ in page._list(replace(results, data=data)) if "in each sea state" in title)
+    (caption,) = (words for title, words, _ in entries(replace(results, data=data)) if "in each sea state" in title)
     assert (
         caption == "Dots: mean over realizations; bars: least and largest. Filled: elastic platform; open: fixed."
         f"{SURVIVORS}{told}"
@@ -824,7 +825,7 @@ def test_a_caption_tells_of_platforms_that_are_drawn(results):
     """Without floats there is neither power nor rotation, and of one platform all marks are filled."""
     for platforms, told in ((["elastic", "fixed"], True), (["fixed", "elastic-no-floats"], False)):
         some = replace(results, data=results.data.sel(platform=platforms))
-        captions = {title: caption for title, caption, _ in page._list(some)}
+        captions = {title: caption for title, caption, _ in entries(some)}
         assert ("Filled: elastic" in captions["Power and rotation in each sea state"]) == told
 
 
@@ -876,7 +877,7 @@ def test_responses_stand_beside_the_frequency_domains(results):
     none = data.hinge_force_response.where(data.method == "time")
     for of, told in ((both, True), (replace(both, data=data.isel(method=[0])), False), (results, False),
                      (replace(both, data=data.assign(hinge_force_response=none)), False)):  # fmt: skip
-        captions = {title: caption for title, caption, _ in page._list(of)}
+        captions = {title: caption for title, caption, _ in entries(of)}
         assert ("Dashed: the frequency domain." in captions["Response to the waves"]) == told
     alone = data.hinge_force_response.where(data.method == "frequency")
     upper, _ = responses(replace(both, data=data.assign(hinge_force_response=alone))).axes
@@ -901,7 +902,7 @@ def test_responses_are_shown_where_records_have_them(results, small):
     failed = figures.Results(study=load(small), data=data.assign_coords(labels).assign(added))
     upper, _ = responses(failed).axes
     assert [line.get_linestyle() for line in upper.lines] == ["-", "--"]
-    (caption,) = (words for title, words, _ in page._list(failed) if title == "Response to the waves")
+    (caption,) = (words for title, words, _ in entries(failed) if title == "Response to the waves")
     assert caption.endswith("Dashed: the frequency domain. Shown at pto damping 200000.")
     together = "[[axes.together]]\nname = 'method'\n'solver.method' = ['time', 'frequency']\n"
     together += "'solver.radiation' = [true, false]\n"
@@ -980,7 +981,7 @@ def test_responses_are_of_a_sea_with_several_bands(results, regular, shown, poin
     (line,) = upper.lines
     assert line.get_xdata().size == points and line.get_marker() == mark and np.isfinite(line.get_xydata()).all()
     assert upper.get_ylim()[1] == pytest.approx(1.15)
-    (caption,) = (words for title, words, _ in page._list(waves) if title == "Response to the waves")
+    (caption,) = (words for title, words, _ in entries(waves) if title == "Response to the waves")
     assert f"sea state {shown}, first realization there is." in caption
 
 

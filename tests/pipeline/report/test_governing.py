@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.report.governing import NOTHING, SEVERAL, rows, table
-from pipeline.report.yearly import SURVIVORS
+from pipeline.report.tables import SURVIVORS
 
 SEAS = ["mild", "rough", "long"]
 

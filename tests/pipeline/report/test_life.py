@@ -9,7 +9,8 @@ from scipy import stats
 
 from pipeline.report import life
 from pipeline.report.life import NOTE, lives, rows, table
-from pipeline.report.yearly import LEVEL, OFF, SURVIVORS, of_part, over_seas, show
+from pipeline.report.tables import OFF, SURVIVORS, show
+from pipeline.report.yearly import LEVEL, of_part, over_seas
 
 YEAR = 365.25 * 24
 

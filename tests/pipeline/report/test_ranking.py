@@ -11,7 +11,7 @@ from pipeline.bridge.loading import load
 from pipeline.cli import cli
 from pipeline.report import figures, page
 from pipeline.report.ranking import block, table, toml
-from pipeline.report.yearly import MANY
+from pipeline.report.tables import MANY
 from pipeline.tasks.task import cell, first_labels
 
 COUNT = MANY + 2

@@ -13,7 +13,7 @@ from pipeline.bridge.loading import load
 from pipeline.cli import actions
 from pipeline.report import published, report, units
 from pipeline.report.published import COLUMNS, read_published
-from pipeline.report.yearly import texts
+from pipeline.report.tables import texts
 from pipeline.results.variables import VARIABLES
 from pipeline.study.reading import StudyError
 from solver.statistics import STATISTICS
