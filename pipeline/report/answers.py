@@ -63,8 +63,9 @@ def answers(data: xr.Dataset, pair: Pair | None) -> xr.Dataset:
 
     data, found = weighed(data), dict[str, xr.DataArray]()
     seas = "by their occurrence" if "occurrence" in data.coords else "which all count alike"
+    comment = f"Mean over realizations and sea states, {seas}"
     for name, (each, units, long_name) in _quantities(data):
-        attrs = {"units": units, "long_name": long_name, "comment": f"Mean over realizations and sea states, {seas}"}
+        attrs = {"units": units, "long_name": long_name, "comment": comment}
         left_out = {"units": "1", "long_name": "Number of realizations that failed, which are in no mean"}
         failed = failures(each).assign_attrs(left_out)
         found.setdefault(FAILED, failed)
@@ -72,7 +73,8 @@ def answers(data: xr.Dataset, pair: Pair | None) -> xr.Dataset:
             found[f"{name}_{FAILED}"] = failed  # a count may fail in a record that has power
             steel = lives(data, name)  # with the interval of the logarithm: damage is skewed
             found[name] = steel["damage"].assign_attrs(attrs)
-            life = {"units": "s", "long_name": f"Life of the steel by fatigue, 1/{name}, at the {AT[name]} of a leg"}
+            words = f"Life of the steel by fatigue, 1/{name}, at the {AT[name]} of a leg"
+            life = {"units": "s", "long_name": words, "comment": f"Of damage's {comment.lower()}"}
             found[name.replace("damage", "life")] = steel["life"].assign_attrs(life)
         else:
             found[name] = over_seas(each, data).assign_attrs(attrs)

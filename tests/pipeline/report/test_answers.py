@@ -45,6 +45,7 @@ def test_quantities_are_those_of_the_tables():
     assert found.life.values == approx(steel.life.values) and found.damage.values == approx(steel.damage.values)
     assert not [name for name in found if "difference" in str(name)] and found.attrs["title"] == "Two dampings"
     assert found.estimate.values.tolist() == ["value", "low", "high"] and found.life.attrs["units"] == "s"
+    assert all("comment" in answer.attrs for name, answer in found.items() if "estimate" in answer.dims), found
 
 
 def test_a_difference_has_the_interval_of_differences_in_the_same_waves():
