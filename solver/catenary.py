@@ -54,7 +54,8 @@ def ends(H: float, V: float, length: float, weight: float, EA: float) -> tuple[f
 def tensions(span: float, height: float, length: float, weight: float, EA: float) -> tuple[float, float]:
     """Tensions H along and V up [N] at a fairlead `span` from the anchor and `height` above it [m]; H = 0 if slack."""
     span, height = max(span, LEAST * length), max(height, LEAST * length)
-    hanging = EA * (np.sqrt(1 + 2 * weight * height / EA) - 1)
+    # EA (√(1 + 2wh/EA) - 1), as which of a stiff line next to nothing would be left
+    hanging = 2 * weight * height / (1 + np.sqrt(1 + 2 * weight * height / EA))
     if length - hanging / weight >= span:  # it hangs straight down, and lies slack
         return 0.0, hanging
     least = LEAST * weight * length

@@ -16,6 +16,7 @@ from solver.sea.field import WaveField
 ROUGH = 1e-2
 
 ROUNDING = 1e-12  # of a heading along an axis across it
+DEEP = 100.0  # of 2kh: water is as deep as any
 
 
 def excursions(scene: Scene, field: WaveField, terms: Sequence[int], carrier_axes: np.ndarray) -> np.ndarray:
@@ -73,8 +74,8 @@ def ahead(item: Float, heading: np.ndarray) -> np.ndarray:
 def pushed(scene: Scene, field: WaveField) -> list[dict[str, float]]:
     """How far waves may push each float along each horizontal axis of its joint [m]; inf where nothing holds it.
 
-    They push at most as on a wall as wide as it and all that it carries which sends all of them back: ½ρga² each,
-    ρg Hm0²/16 per width. Each axis has its own springs alone.
+    They push at most as on a wall as wide as it and all that it carries which sends all of them back, by
+    ½ρga² (1 + 2kh/sinh 2kh) each per width. Each axis has its own springs alone.
     """
     wide, carriers = [0.0] * len(scene.floats), scene.carriers
     for b, item in enumerate(scene.floats):
@@ -82,7 +83,9 @@ def pushed(scene: Scene, field: WaveField) -> list[dict[str, float]]:
         while borne_by >= 0:
             wide[borne_by] += 2 * item.hull.largest_radius
             borne_by = carriers[borne_by]
-    load = scene.water.density * scene.water.gravity * field.sea.parameters()["Hm0"] ** 2 / 16
+    deep = np.minimum(2 * field.k * field.depth, DEEP)
+    powers = 0.5 * np.abs(field.sea.amplitude) ** 2 * (1 + deep / np.sinh(deep))
+    load = scene.water.density * scene.water.gravity * float(powers.sum())
     return [_pushed(f, load * w, field.direction) if load > 0 else {} for f, w in zip(scene.floats, wide, strict=True)]
 
 

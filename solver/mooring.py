@@ -88,11 +88,14 @@ def _loads(rows: "Lines", position: np.ndarray, rotation: np.ndarray) -> np.ndar
 def line_stiffness(lines: Sequence[Line], centre: np.ndarray) -> np.ndarray:
     """K (6, 6) [N/m, ...] of a float's lines at rest about its reference point, at `centre` (3,) [m].
 
-    By central differences; turning carries the fairleads, and their pulls with them.
+    By central differences, each line's by its own length; turning carries the fairleads, and their pulls with them.
     """
-    rows, K = lines_of([lines]), np.zeros((6, 6))
-    step = STEP * max((line.length for line in lines), default=1.0)
-    for column in range(6 * (len(lines) > 0)):
+    return sum((_stiffness(line, centre) for line in lines), np.zeros((6, 6)))
+
+
+def _stiffness(line: Line, centre: np.ndarray) -> np.ndarray:
+    rows, K, step = lines_of([(line,)]), np.zeros((6, 6)), STEP * line.length
+    for column in range(6):
         for sign in (-1.0, 1.0):
             x, R = np.array(centre, float), np.eye(3)
             if column < 3:

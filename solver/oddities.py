@@ -87,11 +87,16 @@ def of_undamped(scene: Scene, joints: np.ndarray | None = None) -> tuple[str, ..
 
 def _of_lines(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
     """Sentences for lines, of floats at joints (nj,), or as they are given."""
+    for f, (lines, place) in zip(scene.floats, moored_at(scene, joints), strict=True):
+        texts = *odd_lines(lines, place), *_lying(lines, place, scene.water.depth)
+        yield from (f"floats.{f.name}.lines: {text}" for text in texts)
+
+
+def moored_at(scene: Scene, joints: np.ndarray | None) -> Iterator[tuple[list[Line], np.ndarray]]:
+    """Of each float at joints (nj,), or as it is given: its lines, as it has turned their fairleads, and its place."""
     at = np.zeros(scene.offsets.size) if joints is None else joints
     for f, (R, place) in zip(scene.floats, poses(scene.floats, scene.carriers, at), strict=True):
-        turned = [replace(line, fairlead=tuple((R @ line.fairlead).tolist())) for line in f.lines]
-        texts = *odd_lines(turned, place), *_lying(turned, place, scene.water.depth)
-        yield from (f"floats.{f.name}.lines: {text}" for text in texts)
+        yield [replace(line, fairlead=tuple((R @ line.fairlead).tolist())) for line in f.lines], place
 
 
 def _lying(lines: Sequence[Line], place: np.ndarray, depth: float) -> Iterator[str]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_pulls
+from solver.oddities import moored_at
 from solver.scene import DOFS, Float, Scene, load_unit_along, unit_along
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS, of_joints
@@ -50,28 +51,37 @@ def _along_waves(
         way = ways[carrier].copy() if carrier >= 0 else np.zeros(len(told))
         for axis, of_axis in zip(axes, motion, strict=True):
             if axis in f.motion and axis in DOFS[:2]:
-                way += f.direction(axis) @ direction * of_axis
+                mean, *ends = f.direction(axis) @ direction * of_axis
+                way += mean, max(ends), min(ends)
         ways.append(way)
     return ways
 
 
-def of_motions(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Sentences for motions, of which `tables` has statistics, that are too large for some part of a model."""
+def of_motions(
+    scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray], joints: np.ndarray
+) -> Iterator[str]:
+    """Sentences for motions, of which `tables` has statistics, that are too large for some part of a model.
+
+    joints (nj,): at rest.
+    """
     yield from met(scene, axes, tables)
     yield from swung(scene, axes, tables)
     yield from strayed(scene, axes, tables)
     yield from shoved(scene, axes, tables)
-    yield from snapped(scene, tables)
+    yield from snapped(scene, tables, joints)
 
 
-def snapped(scene: Scene, tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """A sentence for each line, taut at rest, whose least tension is about the weight of what hangs straight down."""
+def snapped(scene: Scene, tables: Mapping[str, np.ndarray], joints: np.ndarray) -> Iterator[str]:
+    """A sentence for each line, taut at rest, whose least tension is about the weight of what hangs straight down.
+
+    joints (nj,): at rest.
+    """
     if "line_tension" not in tables:
         return
     least = iter(tables["line_tension"][:, STATISTICS.index("min")])
-    for f in scene.floats:
-        for number, (line, pull) in enumerate(zip(f.lines, line_pulls(f.lines, f.centre), strict=True), 1):
-            hanging = line.weight * (f.centre[2] + line.fairlead[2] - line.anchor[2])
+    for f, (lines, place) in zip(scene.floats, moored_at(scene, joints), strict=True):
+        for number, (line, pull) in enumerate(zip(lines, line_pulls(lines, place), strict=True), 1):
+            hanging = line.weight * (place[2] + line.fairlead[2] - line.anchor[2])
             tension = next(least)
             if tension < HANGING * hanging and line.weight * line.length < np.linalg.norm(pull):
                 yield (

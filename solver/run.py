@@ -199,7 +199,7 @@ def _run(
     late, doubted = died(channels, tables), doubts(s, probe.errors(hydrodynamics))
     if odd := (
         *told,
-        *of_motions(scene, channels.axes, tables),
+        *of_motions(scene, channels.axes, tables, system.joints_at_rest),
         *turning(system, channels, tables),
         *beyond,
         *late,

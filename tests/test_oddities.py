@@ -13,7 +13,7 @@ from solver.limits import pushed
 from solver.mooring import Line
 from solver.oddities import overdamped, warnings
 from solver.power_takeoff import PtoEfficiency, PtoTable
-from solver.remarks import beyond_tables, shoved, snapped
+from solver.remarks import beyond_tables, shoved, snapped, strayed
 from solver.run import simulate
 from solver.scene import EndStops, Float
 from solver.sea.current import Current, CurrentSpeed
@@ -152,6 +152,20 @@ def test_a_run_ends_where_a_float_is_told_to_leave_its_series():
         simulate(item, h)
 
 
+@pytest.mark.parametrize("heading", [0.25, 0.75, 1.25, 1.75])
+def test_a_float_that_goes_far_along_the_waves_is_told_whatever_their_heading(heading):
+    """Ten metres to either side, along the waves or against them."""
+    item, _ = soft_mooring()
+    barge = replace(item.floats[0], motion=("surge", "sway"), stiffness=(0, 0), damping=(0, 0))
+    waves = replace(item.sea, heading=heading * np.pi)
+    axes, table = ["surge", "sway"], np.zeros((1, 2, 5))
+    ends = 10.0 * np.array([np.cos(waves.heading), np.sin(waves.heading)])
+    table[0, :, STATISTICS.index("max")], table[0, :, STATISTICS.index("min")] = np.abs(ends), -np.abs(ends)
+    settings = replace(item.settings, diffraction=True)
+    (said,) = strayed(replace(item, floats=(barge,), sea=waves, settings=settings), axes, {"motion": table})
+    assert "floats.barge went 10 m along the waves" in said
+
+
 def test_waves_are_summed_as_far_as_they_may_push_a_float_and_no_further():
     """On a spring of 100 N/m it drifts by 9 m, and the series about it is as good as asked there."""
     records = [simulate(*soft(stiffness, 0.0)) for stiffness in (100.0, 4e3)]
@@ -160,17 +174,21 @@ def test_waves_are_summed_as_far_as_they_may_push_a_float_and_no_further():
     assert all(record.attrs["field_error"] < 1e-3 for record in records)
 
 
-def test_waves_push_a_float_and_all_that_it_carries_against_the_springs_of_each_axis():
+@pytest.mark.parametrize("depth", [np.inf, 3.0])
+def test_waves_push_a_float_and_all_that_it_carries_against_the_springs_of_each_axis(depth):
+    """In water of 2kh, n of group over phase velocity times the mean force of deep water, n = 1 + 2kh/sinh 2kh."""
     item, _ = soft(400.0, 0.0)
     waves = replace(item.sea, heading=np.pi / 3)
-    load = 1025.0 * 9.81 * item.sea.parameters()["Hm0"] ** 2 / 16  # of each metre of width
+    field = wave_field(waves, depth, 9.81, None)
+    both = 1 + (2 * field.k * depth / np.sinh(2 * field.k * depth) if depth < np.inf else 0.0)
+    load = 1025.0 * 9.81 * 0.5 * np.sum(both * np.abs(waves.amplitude) ** 2)  # of each metre of width
     buoy = replace(item.floats[0], motion=("surge", "sway", "heave"), stiffness=(400.0, 200.0, 0.0))
     hinged = replace(buoy, motion=("hinge",), stiffness=(0.0,), arm=(-5.0, 0, -1.0))
     carried = (
         replace(hinged, name=name, on=on, hinge=(x, 0, 1.0))
         for name, on, x in (("arm", "buoy", -5.0), ("tip", "arm", -15.0))
     )
-    far = pushed(replace(item, floats=(buoy, *carried), sea=waves), wave_field(waves, 40.0, 9.81, None))
+    far = pushed(replace(item, floats=(buoy, *carried), sea=waves), field)
     assert far[0] == pytest.approx({"surge": 18 * load / 2 / 400, "sway": 18 * load * np.sqrt(3) / 2 / 200})
     assert far[1:] == [{}, {}]
 
@@ -349,10 +367,14 @@ def test_a_taut_line_that_goes_slack_is_told(away, length, rest, least, told):
     (barge,) = item.floats
     line = Line(anchor=(-away, 0.0, -30.0), fairlead=(0.0, 0.0, -2.5), length=length, weight=300.0, EA=2e7)
     item = replace(item, floats=(replace(barge, lines=(line,)),))
-    table = np.full((1, 5), least)
-    said = "; ".join(snapped(item, {"line_tension": table}))
+    table = {"line_tension": np.full((1, 5), least)}
+    said = "; ".join(snapped(item, table, np.zeros(3)))
     assert (f"floats.barge.lines: line 1, {rest:.4g} N at rest, goes slack, down to {least:.4g} N" in said) == told
-    assert not told or not list(snapped(item, {}))
+    assert not told or not list(snapped(item, {}, np.zeros(3)))
+    # Given elsewhere, from where it goes to the same place.
+    lower = replace(line, fairlead=(0.0, 0.0, -3.5))
+    moved = replace(item, floats=(replace(item.floats[0], hinge=(20.0, 0.0, 0.0), lines=(lower,)),))
+    assert "; ".join(snapped(moved, table, np.array([-20.0, 1.0, 0.0]))) == said
 
 
 @pytest.mark.parametrize(("far", "told"), [(2.01, True), (1.99, False)])

@@ -174,7 +174,7 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
     notes = [
         *case.warnings,
         *idle(scene),
-        *of_motions(scene, case.channels.axes, tables),
+        *of_motions(scene, case.channels.axes, tables, case.system.joints_at_rest),
         *_beyond_tables(of),
         *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),

@@ -145,7 +145,7 @@ def simulate_reference(
     late, doubted = died(channels, tables), doubts(case.scene.settings, audited)
     if odd := (
         *told,
-        *of_motions(scene, channels.axes, tables),
+        *of_motions(scene, channels.axes, tables, case.system.joints_at_rest),
         *turning(case.system, channels, tables),
         *late,
         *recorder.settling.notes(channels),
