@@ -43,6 +43,7 @@ SHARED = 0.1  # of what a shape moves most, or of what moves an axis
 TURNS = 0.5  # rad of a shape's own swing in a run: less is a drift, by next to no stiffness or by its rounding
 FAST = 4.0  # times the fastest wave's frequency: waves that set in swing nothing faster
 OFTEN = 20  # instants of a ramp, in the shortest period
+AT_ONCE = 1_000_000  # of them times waves: a long ramp of many has a hundred times as many
 WIDTHS = 2.0  # of a resonance, B, to either side, which have 84 % of it
 
 
@@ -127,9 +128,12 @@ def _kicked(of: _Begun, omega: np.ndarray, q: np.ndarray, s: Settings) -> np.nda
     at, rise = (edges[1:] + edges[:-1]) / 2, np.diff(ramp(edges, s.ramp, s.ramp_form))
     if not s.ramp:
         at, rise = np.zeros(1), np.ones(1)
-    turning = np.exp(-1j * np.outer(at, omega))
-    z = (turning @ q).real + 1j * (turning @ (-1j * omega[:, None] * q)).real / of.own
-    return np.asarray(-np.sum(np.exp(np.outer(at - s.ramp, of.B / 2 + 1j * of.own)) * rise[:, None] * z, axis=0))
+    parts, c = at.size * omega.size // AT_ONCE + 1, np.zeros(of.own.size, complex)
+    for times, rises in zip(np.array_split(at, parts), np.array_split(rise, parts), strict=True):
+        turning = np.exp(-1j * np.outer(times, omega))
+        z = (turning @ q).real + 1j * (turning @ (-1j * omega[:, None] * q)).real / of.own
+        c -= rises @ (np.exp(np.outer(times - s.ramp, of.B / 2 + 1j * of.own)) * z)
+    return c
 
 
 def _loose(system: System, h: Hydrodynamics | None) -> np.ndarray:

@@ -80,13 +80,15 @@ def test_nothing_is_said_of_what_is_damped_nor_of_one_wave_or_none():
 
 @pytest.mark.parametrize("waves", [(0.75,), (0.7, 1.4)], ids=["one", "two"])
 @pytest.mark.parametrize("ramp", [{"ramp": 10.0}, {"ramp": 25.0, "ramp_form": "cosine"}, {"ramp": 0.0}], ids=str)
-def test_what_the_start_leaves_of_a_shape_s_own_swinging_is_told(waves, ramp):
+def test_what_the_start_leaves_of_a_shape_s_own_swinging_is_told(waves, ramp, monkeypatch):
     """Within a fifth of what marches have besides a lasting sea's std; and the discard that leaves a hundredth."""
     item, h = spar(20.0)
     few = components(amplitude=np.full(len(waves), 0.2), omega=np.array(waves), phase=np.arange(len(waves)) * 1.0)
     settings = replace(item.settings, duration=400.0, **ramp)
     item = replace(item, sea=few, settings=settings)
     (note,) = left_over(prepare(item, h), h)
+    monkeypatch.setattr(starting, "AT_ONCE", 10)
+    assert list(left_over(prepare(item, h), h)) == [note]
     lasting = simulate(replace(item, settings=replace(settings, method="frequency")), h)
     record = simulate(item, h)
     std = [each.variables["motion"][1][0, 0, STATISTICS.index("std")] for each in (record, lasting)]
