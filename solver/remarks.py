@@ -16,7 +16,6 @@ RINGS = 0.2  # share of a variance by what rings between the waves
 APART = 1.1  # factor by which extremes may miss those of Gaussian rates or forces; of power it is the square
 STRAYED = 0.5  # [rad] of the mean wave that it may go from where linear wave loads have their phases
 SHOVED = 0.1  # times the std of a motion: a mean that counts
-PULLED = 1e-6  # [N/kg] along it: less is none
 SWUNG = 0.15  # [rad] that the std of its angles may be in a linear model
 HANGING = 1.1  # times the weight of a line that hangs straight down at rest: it pulls so where waves lift its float
 
@@ -67,7 +66,7 @@ def of_motions(
     yield from met(scene, axes, tables)
     yield from swung(scene, axes, tables)
     yield from strayed(scene, axes, tables)
-    yield from shoved(scene, axes, tables)
+    yield from shoved(scene, axes, tables, joints)
     yield from snapped(scene, tables, joints)
 
 
@@ -91,19 +90,23 @@ def snapped(scene: Scene, tables: Mapping[str, np.ndarray], joints: np.ndarray) 
                 )
 
 
-def shoved(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """A sentence for each horizontal axis along which waves alone keep a float, of body-nonlinear pressure, off."""
+def shoved(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray], joints: np.ndarray) -> Iterator[str]:
+    """A sentence for each horizontal axis along which waves keep a float, of body-nonlinear pressure, off its rest.
+
+    joints (nj,): there.
+    """
     if "motion" not in tables or scene.current is not None or not scene.sea.amplitude.any():
         return
     mean, std = (tables["motion"][..., STATISTICS.index(name)] for name in ("mean", "std"))
+    rest = iter(joints)
     for b, (f, nonlinear) in enumerate(zip(scene.floats, scene.nonlinear, strict=True)):
-        for axis, pull in zip(f.motion, f.pulls, strict=True):
-            j = axes.index(axis)
-            if nonlinear and axis in DOFS[:2] and abs(pull) < PULLED * f.mass and abs(mean[b, j]) > SHOVED * std[b, j]:
+        for axis, at in zip(f.motion, rest, strict=False):
+            off = mean[b, axes.index(axis)] - at
+            if nonlinear and axis in DOFS[:2] and abs(off) > SHOVED * std[b, axes.index(axis)]:
                 yield (
-                    f"floats.{f.name}: its mean {axis}, {mean[b, j]:.2g} m, is by the incident waves' pressure on the"
-                    " wet hull, without that of second order of the waves it sends out, and may be several times too"
-                    ' large: outputs = ["drift"] of the frequency domain has both; no part of the estimated error'
+                    f"floats.{f.name}: its mean {axis}, {off:.2g} m from rest, is by the incident waves' pressure on"
+                    " the wet hull, without that of second order of the waves it sends out, and may be several times"
+                    ' too large: outputs = ["drift"] of the frequency domain has both; no part of the estimated error'
                 )
 
 

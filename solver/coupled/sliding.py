@@ -18,7 +18,7 @@ import numpy as np
 from scipy.special import jv
 
 from solver import limits
-from solver.scene import Float, Scene
+from solver.scene import Scene
 from solver.sea.field import WaveField
 
 FAR = 0.5  # [rad]: an arm that takes a float a radian of the mean wave within this turn is a long one
@@ -52,22 +52,28 @@ def reaches(
 def leaders(scene: Scene, waves: WaveField) -> tuple[int, ...]:
     """Of each float the one whose place counts, itself or what carries it; -1: none, of linear pressure for one.
 
-    That is the last one from the support on that slides along the waves, or is on an arm long enough to do so, see FAR.
+    That is the last one from the support on that slides along the waves, or that an axis, of its own or of what carries
+    it, turns on an arm long enough to do so, see FAR.
     """
     found: list[int] = []
     if not any(scene.nonlinear):
         return (-1,) * len(scene.floats)
     for b, (f, carrier) in enumerate(zip(scene.floats, scene.carriers, strict=True)):
         slides = np.any(limits.ahead(f, waves.direction) > limits.ROUNDING)
-        moved = slides or FAR * _lever(f, waves) > waves.mean_length
+        moved = slides or FAR * _lever(scene, b, waves) > waves.mean_length
         found.append(b if moved else found[carrier] if carrier >= 0 else -1)
     return tuple(found)
 
 
-def _lever(f: Float, waves: WaveField) -> float:
-    """How far 1 rad of an axis takes a float along the waves [m], at most."""
-    arms = [np.cross(f.direction(axis), f.centre - f.hinge) for axis in f.motion if not limits.slides(axis)]
-    return max((abs(float(arm @ waves.direction)) for arm in arms), default=0.0)
+def _lever(scene: Scene, b: int, waves: WaveField) -> float:
+    """How far 1 rad of an axis, its own or a carrier's, takes a float along the waves [m], at most."""
+    most, centre, owner = 0.0, scene.floats[b].centre, b
+    while owner >= 0:
+        f = scene.floats[owner]
+        arms = [np.cross(f.direction(axis), centre - f.hinge) for axis in f.motion if not limits.slides(axis)]
+        most = max([most, *(abs(float(arm @ waves.direction)) for arm in arms)])
+        owner = scene.carriers[owner]
+    return most
 
 
 def places(

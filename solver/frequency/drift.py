@@ -32,6 +32,10 @@ REACHED = 1e-4  # of the largest load: a mesh that is not as round as its body t
 SLOWEST = 1e-6  # [rad/s] at which added mass is that of no frequency
 HORIZONTAL = ("surge", "sway", "yaw")  # axes that the far field's force and moment act along
 SHARED = 16  # points in a band's width that waves are shared between: 1e-3 of the largest by that
+GUIDED = (
+    "drift_offset, slow_drift: not of yaw, whose moment is in part the joint's own reaction where it guides the support"
+    " along one of surge and sway, or about one of roll and pitch, alone"
+)
 FEW = 16  # waves whose differences are told one by one: of more a record shows the spectrum
 
 Impedance = Callable[[np.ndarray], np.ndarray]  # of frequencies μ (m,): B - iμ(A - A∞) (m, n, n)
@@ -88,20 +92,24 @@ def variables(case: Case, response: Response) -> tuple[dict[str, Labelled], dict
         "drift_moment": float(moment.sum()),
         "energy_residual": energy_residual(case, response, waves),
     }
-    axes = _axes(scene, channels)
+    axes, held = _axes(scene, channels), ""
     if axes.size:
         loads = np.stack([force[:, 0], force[:, 1], moment], axis=1)
         each = loads[:, [HORIZONTAL.index(channels.names[i]) for i in axes]]
+        if _guided(scene, channels) and _turned(each, case.model.length[axes]):
+            axes, each, held = axes[:-1], each[:, :-1], GUIDED
         slow = slow_load(waves.omega, waves.amplitude, each, scene.settings.duration)
         damped = replace(
             case.model, damping=case.model.damping + response.damping
         )  # quadratic ones' by the waves alone
-        means, stds, unmet = moved(damped, axes, radiated(case.system, h), each.sum(axis=0), slow)
+        means, stds, unmet = np.zeros(0), np.zeros(0), ""
+        if axes.size:
+            means, stds, unmet = moved(damped, axes, radiated(case.system, h), each.sum(axis=0), slow)
         for name, values in (("drift_offset", means), ("slow_drift", stds)):
             joints = np.full(channels.owner.size, np.nan)
             joints[axes] = values
             found[name] = channels.at_axes(joints)
-        figures["unmet"] = unmet
+        figures["unmet"] = "; ".join(filter(None, [unmet, held]))
     return found, figures
 
 
@@ -118,9 +126,27 @@ def _point(scene: Scene) -> np.ndarray:
 
 
 def _axes(scene: Scene, channels: Channels) -> np.ndarray:
-    """The joint axes along which the far field's loads move the support."""
+    """The joint axes along which the far field's loads move the support, in the order of HORIZONTAL."""
     b = _support(scene)
-    return np.array([i for i, name in enumerate(channels.names) if channels.owner[i] == b and name in HORIZONTAL], int)
+    own = [i for i in range(len(channels.names)) if channels.owner[i] == b and channels.names[i] in HORIZONTAL]
+    return np.array(sorted(own, key=lambda i: HORIZONTAL.index(channels.names[i])), int)
+
+
+def _guided(scene: Scene, channels: Channels) -> bool:
+    """Whether the support's joint bears a part of the moment about the vertical that yaw does not feel.
+
+    Where it holds one of surge and sway, or of roll and pitch, and guides the other, its load acts where the waves have
+    taken the support, or as they have tilted it.
+    """
+    b = _support(scene)
+    free = {channels.names[i] for i in range(len(channels.names)) if channels.owner[i] == b}
+    return "yaw" in free and any(len(pair & free) == 1 for pair in ({"surge", "sway"}, {"roll", "pitch"}))
+
+
+def _turned(each: np.ndarray, length: np.ndarray) -> bool:
+    """Whether the last of loads (nw, n) is a moment that counts beside the others."""
+    size = np.abs(each).sum(axis=0) / length
+    return bool(size[-1] > REACHED * size.max())
 
 
 def radiated(system: System, h: Hydrodynamics) -> Impedance:

@@ -118,7 +118,8 @@ def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     std = np.sqrt(1 + share[k, j]) - 1
     if std > LEFT:
         ends = of.enough(int(k), s.ramp + since, share[k, j]) if of.B[k] > 0 else "nothing damps it"
-        yield f"{of.said(k)} still swings as the start made it: a std is some {std:.1%} above a lasting sea's; {ends}"
+        above = f"by the linear response a std is some {std:.1%} above a lasting sea's"
+        yield f"{of.said(k)} still swings as the start made it: {above}; {ends}"
 
 
 def _kicked(of: _Begun, omega: np.ndarray, q: np.ndarray, s: Settings) -> np.ndarray:

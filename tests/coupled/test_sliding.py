@@ -15,6 +15,7 @@ from solver.multibody.bodies import new_motion, pressure_room
 from solver.multibody.minimal import move, pressures
 from solver.run import simulate
 from solver.scene import Float
+from solver.sea.field import wave_field
 from solver.sea.realization import regular
 from tests.awkward import BALL, BUOYED, RHO, known, scene, sea
 from tests.record.test_beside import soft
@@ -106,6 +107,15 @@ def test_only_what_keeps_the_phases_of_rest_is_told_to_have_strayed():
         kept = replace(item, settings=replace(item.settings, froude_krylov=kind))
         said = [text for text in simulate(kept, h).attrs.get("warnings", "").split("; ") if "phases of" in text]
         assert bool(said) is told
+
+
+@pytest.mark.parametrize(("away", "turns", "own"), [(25.0, "yaw", True), (25.0, "heave", False), (4.5, "yaw", False)])
+def test_what_stands_far_out_on_a_carrier_that_turns_has_a_place_of_its_own(away, turns, own):
+    item, _ = moored()
+    hub = replace(item.floats[0], motion=(turns,), stiffness=(1e5,), damping=(0.0,), preload=(0.0,))
+    post = replace(item.floats[1], on=hub.name, hinge=(-4.0, away, 1.5), motion=(), pto_damping=0.0)
+    field = wave_field(item.sea, item.water.depth, item.water.gravity, None)
+    assert leaders(replace(item, floats=(hub, post)), field) == (-1, 1 if own else -1)
 
 
 def test_the_mean_force_of_a_wave_does_not_go_by_how_far_it_pushes():

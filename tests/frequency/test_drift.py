@@ -271,6 +271,35 @@ def test_an_axis_that_no_load_reaches_need_be_neither_held_nor_damped():
     assert "nothing holds" in drift.moved(model, np.arange(2), none, np.array([3e3, 0.0]), of)[2]
 
 
+@pytest.mark.parametrize(
+    ("motion", "told"),
+    [
+        (("surge", "yaw"), (True, None, False)), (("surge", "pitch", "sway", "yaw"), (True, True, False)),
+        (("yaw", "pitch"), (None, None, False)), (("sway", "surge", "yaw"), (True, True, True)),
+    ],
+)  # fmt: skip
+def test_what_a_joint_that_guides_bears_turns_nothing(motion, told):
+    """A round buoy has no moment about its axis: that about the fixed vertical is of the guide's force where it is."""
+    hull = Revolution.vertical_cylinder(radius=2.0, draft=3.0, freeboard=2.0)
+    springs = {"surge": 8e3, "sway": 8e3, "yaw": 1e5, "pitch": 3e5}
+    buoy = Float(
+        name="buoy", hull=hull, mass=1025.0 * hull.volume, inertia=(9e4,) * 3, cog=(0, 0, -1.0), hinge=(0, 0, 0),
+        motion=motion, stiffness=[springs[axis] for axis in motion], damping=[springs[axis] / 10 for axis in motion],
+    )  # fmt: skip
+    waves = sea(band=(0.8, 2.0), heading=0.7)
+    item = scene((buoy,), depth=np.inf, waves=waves, method="frequency", froude_krylov="linear", outputs=("drift",))
+    h = bem.solve(
+        (hull,), np.zeros((1, 3)), depth=np.inf, heading=0.7, omega=np.linspace(0.7, 2.1, 4), planar=False, panels=108,
+        far_field=True,
+    )  # fmt: skip
+    record = simulate(item, h)
+    axes = list(record.coords["axis"])
+    for name in ("drift_offset", "slow_drift"):
+        for axis, known in zip(("surge", "sway", "yaw"), told, strict=True):
+            assert known is None or np.isfinite(record.variables[name][1][0, axes.index(axis)]) == known
+    assert ("not of yaw" in record.attrs["unmet"]) == (not told[2])
+
+
 def test_one_wave_does_not_drift_slowly():
     slow = drift.slow_load(np.array([1.0]), np.array([1j]), np.array([[2e3, 1e3]]), 3600.0)
     model = SimpleNamespace(length=np.ones(2), stiffness=np.eye(2), damping=np.eye(2), mass=np.eye(2))
