@@ -42,21 +42,18 @@ def along(results: Results, dim: str) -> Figure | None:
 
 
 def in_rows(results: Results, dim: str) -> bool:
-    """Whether labels are words, or count what goes together in words alone."""
-    return isinstance(results.labels(dim)[:1][0], str) or bool(_beside(results, dim))
-
-
-def _beside(results: Results, dim: str) -> list[str]:
-    """Names of the words that go with numbers along an axis, if no numbers do."""
-    told = [str(name) for name, c in results.data.coords.items() if c.dims == (dim,) and c.dtype.kind in "UOT"]
-    varied = [name for name in told if name != dim and np.unique(results.data[name].values).size > 1]
-    return varied if abscissae(results, dim) == [dim] else []
+    """Whether an axis is one of words."""
+    return bool(_words(results, dim))
 
 
 def _words(results: Results, dim: str) -> list[str]:
-    """In the rows of an axis."""
-    columns = [results.labels(name) for name in _beside(results, dim)] or [results.labels(dim)]
-    return [", ".join(map(str, row)) for row in zip(*columns, strict=True)]
+    """An axis's labels; where these are numbers that count what goes together in words alone, those; else none."""
+    labels = results.labels(dim)
+    if not labels or isinstance(labels[0], str):
+        return labels
+    told = [str(name) for name, c in results.data.coords.items() if c.dims == (dim,) and c.dtype.kind in "UOT"]
+    varied = [results.labels(name) for name in told if len({*results.labels(name)}) > 1]
+    return [", ".join(map(str, row)) for row in zip(*varied, strict=True)] if abscissae(results, dim) == [dim] else []
 
 
 def abscissae(results: Results, dim: str) -> list[str]:

@@ -838,6 +838,10 @@ def test_words_that_go_with_numbers_stand_in_rows(results):
         assert [text.get_text() for text in axes.get_yticklabels()] == ["time", "frequency"]
         data = data.assign_coords(draft=("together", [1.0, 2.0]))
         assert along(replace(results, data=data), "together").axes[0].get_xlabel() == "draft"
+        named = data.drop_vars(["solver.method", "draft"]).rename(together="variant")
+        named = named.assign_coords(variant=["a", "b"], variant_title=("variant", ["Light", "Heavy"]))
+        axes = along(replace(results, data=named), "variant").axes[0]
+        assert [text.get_text() for text in axes.get_yticklabels()] == ["a", "b"]
 
 
 def test_a_long_scatter_table_is_cut(results):
