@@ -169,6 +169,7 @@ def height(sea: SeaState) -> float:
             return sea.Hs
         case MeasuredSpectrum():
             omega, density = columns.read(sea.file, ("omega", "S")).values()
+            columns.require_rising(sea.file, "omega", omega)
             variance = np.trapezoid(density, omega)
         case Components():
             variance = np.sum(columns.read(sea.file, ("amplitude",))["amplitude"] ** 2) / 2
@@ -176,7 +177,7 @@ def height(sea: SeaState) -> float:
             variance = np.var(columns.read(sea.file, ("elevation",))["elevation"])
         case _:
             return 0.0
-    return 4 * math.sqrt(max(float(variance), 0.0))
+    return 4 * math.sqrt(float(variance))
 
 
 def deciding(sea: SeaState, waves: Waves) -> tuple[SeaState, Waves]:

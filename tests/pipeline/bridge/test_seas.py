@@ -158,6 +158,17 @@ def test_what_holds_in_high_seas_does_in_those_from_files(study_with, kind, heig
         study_with(f'{{ kind = "{kind}", file = "x.csv" }}\n[survival]\nHs = 9.0\n{brake}')
 
 
+@pytest.mark.parametrize("rows", ["2,0\n1,3\n0.5,0\n", "0.5,1\n1,1\n0.2,1\n", "1,2\n1,2\n"])
+def test_beside_high_seas_a_spectrum_is_refused_for_its_frequencies(study_with, rows):
+    """They must rise; how high a sea that is not one would be, nobody is told."""
+    sea, brake = '{ kind = "spectrum", file = "x.csv" }', '"floats.only.coulomb" = 1e9'
+    for Hs in (0.01, 9.0):
+        with pytest.raises(StudyError) as caught:
+            study_with(f"{sea}\n[survival]\nHs = {Hs}\n{brake}", x=f"omega, S\n{rows}")
+        (problem,) = caught.value.problems
+        assert ", the one before" in problem and "sea_states.only.file = x.csv: line" in problem
+
+
 def test_components_from_a_file(study_with):
     sea = scenes.sea(first(study_with('{ kind = "components", file = "components.csv" }', waves="")))
     t = np.linspace(0, 9, 10)
