@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from pipeline.study.ranges import Sampled, listed, refuse_key
 from pipeline.study.tables import (
@@ -238,8 +239,17 @@ def implied_sea(axes: Any) -> dict[str, Any] | None:
         return None
     groups = axes.get("together")
     tables = [axes, *(g for g in (groups if isinstance(groups, list) else ()) if isinstance(g, dict))]
-    found = {key: listed(key, table[key]) for table in tables for key in table if key.startswith("sea.")}
-    return {key.removeprefix("sea."): values[0] for key, values in found.items() if values} or None
+    paths = {path: value for table in tables for path, value in by_path(table, ranges=True).items()}
+    found = {path: _values(path, value) for path, value in paths.items() if path.startswith("sea.")}
+    return {path.removeprefix("sea."): values[0] for path, values in found.items() if values} or None
+
+
+def _values(path: str, value: Any) -> tuple[Any, ...]:
+    """Of an axis; what is no list and no range stands for itself, for the axis to refuse."""
+    try:
+        return listed(path, value)
+    except PydanticCustomError:
+        return (value,)
 
 
 def _flat(table: type[Table], data: Mapping[str, Any]) -> dict[str, Any]:

@@ -602,14 +602,47 @@ def test_paths_without_a_star_need_no_quotes(small):
     assert (*axis.keys, *axis.beside) == ("floats.front.mass", "length")
 
 
-def test_a_product_of_seas_needs_none_by_name(small):
-    text = small.read_text()
-    lines = '"sea.Hs" = [0.3, 0.5]\n"sea.Tp" = [5.0, 6.0]'
-    small.write_text(text[: text.index("[sea_states")].replace('sea_state = ["calm", "rough"]', lines))
-    study = load(small)
+@pytest.fixture
+def seas_of_axes(small):
+    """The small study without sea states, with these lines in [axes] and below."""
+    head = small.read_text().partition("[sea_states")[0]
+
+    def made(lines, below=""):
+        small.write_text(head.replace('sea_state = ["calm", "rough"]', lines) + below)
+        return load(small)
+
+    return made
+
+
+@pytest.mark.parametrize("lines", [
+    '"sea.Hs" = [0.3, 0.5]\n"sea.Tp" = [5.0, 6.0]',
+    "sea.Hs = [0.3, 0.5]\nsea.Tp = [5.0, 6.0]",
+    "sea.Hs = { from = 0.3, to = 0.5, count = 2 }\n'sea.Tp' = [5.0, 6.0]",
+    "sea = { Hs = [0.3, 0.5], Tp = { from = 5.0, to = 6.0, count = 2 } }",
+])  # fmt: skip
+def test_a_product_of_seas_needs_none_by_name(seas_of_axes, lines):
+    study = seas_of_axes(lines)
     seas = {(t.parameters.sea_state.Hs, t.parameters.sea_state.Tp) for t in study.tasks}
     assert seas == {(0.3, 5.0), (0.3, 6.0), (0.5, 5.0), (0.5, 6.0)}
     assert dimensions(study.content)[-3:] == ["Hs", "Tp", "seed"]
+
+
+@pytest.mark.parametrize("keys", [
+    "'sea.Hs' = [0.3, 0.5]\n'sea.Tp' = [5.0, 6.0]",
+    "sea.Hs = [0.3, 0.5]\nsea.Tp = { from = 5.0, to = 6.0, count = 2 }",
+    "sea = { Hs = [0.3, 0.5], Tp = [5.0, 6.0] }",
+])  # fmt: skip
+def test_seas_that_change_together_need_none_by_name(seas_of_axes, keys):
+    study = seas_of_axes("", f"[[axes.together]]\nname = 'state'\n{keys}\n")
+    assert {(t.parameters.sea_state.Hs, t.parameters.sea_state.Tp) for t in study.tasks} == {(0.3, 5.0), (0.5, 6.0)}
+
+
+@pytest.mark.parametrize("Hs", ["sea.Hs", "'sea.Hs'"])
+def test_a_value_in_place_of_a_list_of_seas_is_told_at_its_axis_alone(seas_of_axes, Hs):
+    with pytest.raises(StudyError) as caught:
+        seas_of_axes(f"{Hs} = 0.5\nsea.Tp = [5.0, 6.0]")
+    (problem,) = caught.value.problems
+    assert 'axes."sea.Hs" = ' in problem and "must be a list of values, or { from" in problem
 
 
 def test_seas_without_tasks_are_left_alone(small):
