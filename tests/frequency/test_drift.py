@@ -272,19 +272,24 @@ def test_an_axis_that_no_load_reaches_need_be_neither_held_nor_damped():
 
 
 @pytest.mark.parametrize(
-    ("motion", "told"),
+    ("motion", "arm", "told"),
     [
-        (("surge", "yaw"), (True, None, False)), (("surge", "pitch", "sway", "yaw"), (True, True, False)),
-        (("yaw", "pitch"), (None, None, False)), (("sway", "surge", "yaw"), (True, True, True)),
+        (("surge", "yaw"), 0.0, (True, None, False)), (("surge", "pitch", "sway", "yaw"), 0.0, (True, True, False)),
+        (("yaw", "pitch"), 0.0, (None, None, False)), (("sway", "surge", "yaw"), 0.0, (True, True, True)),
+        (("sway", "surge", "yaw"), 3.0, (True, True, True)),
     ],
 )  # fmt: skip
-def test_what_a_joint_that_guides_bears_turns_nothing(motion, told):
-    """A round buoy has no moment about its axis: that about the fixed vertical is of the guide's force where it is."""
+def test_what_a_joint_that_guides_bears_turns_nothing(motion, arm, told):
+    """A round buoy has no moment about its axis: that about the fixed vertical is of the guide's force where it is.
+
+    On an arm it has one about its joint's.
+    """
     hull = Revolution.vertical_cylinder(radius=2.0, draft=3.0, freeboard=2.0)
     springs = {"surge": 8e3, "sway": 8e3, "yaw": 1e5, "pitch": 3e5}
+    stiffness = tuple(springs[axis] for axis in motion)
     buoy = Float(
-        name="buoy", hull=hull, mass=1025.0 * hull.volume, inertia=(9e4,) * 3, cog=(0, 0, -1.0), hinge=(0, 0, 0),
-        motion=motion, stiffness=[springs[axis] for axis in motion], damping=[springs[axis] / 10 for axis in motion],
+        name="buoy", hull=hull, mass=1025.0 * hull.volume, inertia=(9e4,) * 3, cog=(0, 0, -1.0), hinge=(arm, 0, 0),
+        arm=(-arm, 0, 0), motion=motion, stiffness=stiffness, damping=tuple(k / 10 for k in stiffness),
     )  # fmt: skip
     waves = sea(band=(0.8, 2.0), heading=0.7)
     item = scene((buoy,), depth=np.inf, waves=waves, method="frequency", froude_krylov="linear", outputs=("drift",))
