@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.errors import InputError, refuse
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.mooring import line_pulls, odd_lines
+from solver.mooring import Line, line_pulls, odd_lines
 from solver.scene import DOFS, Float, Scene, Water, load_unit_along, poses, unlisted
 
 KNOWN = 64  # floats that a process keeps
@@ -202,6 +202,13 @@ def _least(item: Float, name: str, buoyancy: float, floats: Sequence[Float]) -> 
     every = (line_pulls(f.lines, f.centre) for f in (item, *_hung(item, floats)))
     lines = sum(float(np.linalg.norm(pulls, axis=1).sum()) for pulls in every)
     return lines + float(abs(item.moored.pretension[i]) + abs(item.per_axis("preload")[i]))
+
+
+def moored_at(scene: Scene, joints: np.ndarray | None) -> Iterator[tuple[list[Line], np.ndarray]]:
+    """Of each float at joints (nj,), or as it is given: its lines, as it has turned their fairleads, and its place."""
+    at = np.zeros(scene.offsets.size) if joints is None else joints
+    for f, (R, place) in zip(scene.floats, poses(scene.floats, scene.carriers, at), strict=True):
+        yield [replace(line, fairlead=tuple((R @ line.fairlead).tolist())) for line in f.lines], place
 
 
 def heaved(scene: Scene, joints: np.ndarray) -> Iterator[tuple[Float, float, float, str]]:

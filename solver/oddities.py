@@ -1,15 +1,14 @@
 """Sentences for the user on what is odd about a scene."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from solver import limits
-from solver.balance import FLUSH, OUT, TONNE, UNDER, heaved, held, imbalance
+from solver.balance import FLUSH, OUT, TONNE, UNDER, heaved, held, imbalance, moored_at
 from solver.hydrodynamics.hull.clearance import borders, openings
 from solver.mooring import Line, line_pulls, odd_lines
-from solver.scene import DOFS, LEVEL, Float, Platform, Scene, Water, poses, unit_along
+from solver.scene import DOFS, LEVEL, Float, Platform, Scene, Water, unit_along
 from solver.sea.field import wave_field
 from solver.structure.frame import Frame
 
@@ -90,13 +89,6 @@ def _of_lines(scene: Scene, joints: np.ndarray | None) -> Iterator[str]:
     for f, (lines, place) in zip(scene.floats, moored_at(scene, joints), strict=True):
         texts = *odd_lines(lines, place), *_lying(lines, place, scene.water.depth)
         yield from (f"floats.{f.name}.lines: {text}" for text in texts)
-
-
-def moored_at(scene: Scene, joints: np.ndarray | None) -> Iterator[tuple[list[Line], np.ndarray]]:
-    """Of each float at joints (nj,), or as it is given: its lines, as it has turned their fairleads, and its place."""
-    at = np.zeros(scene.offsets.size) if joints is None else joints
-    for f, (R, place) in zip(scene.floats, poses(scene.floats, scene.carriers, at), strict=True):
-        yield [replace(line, fairlead=tuple((R @ line.fairlead).tolist())) for line in f.lines], place
 
 
 def _lying(lines: Sequence[Line], place: np.ndarray, depth: float) -> Iterator[str]:

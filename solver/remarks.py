@@ -4,9 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from solver.balance import moored_at
 from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_pulls
-from solver.oddities import moored_at
 from solver.scene import DOFS, Float, Scene, load_unit_along, unit_along
 from solver.sea.field import wave_field
 from solver.statistics import STATISTICS, of_joints
