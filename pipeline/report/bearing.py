@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from pipeline.report.tables import MANY, MARK, Table, of_survivors
-from pipeline.report.yearly import Counts, by_sea, cells, counts, named, realized
+from pipeline.report.tables import MANY, MARK, Table, of_none, of_survivors
+from pipeline.report.yearly import Counts, by_sea, cells, counts, lost, named, realized
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,7 +24,7 @@ NOTE = (
 
 def table(data: xr.Dataset) -> Table:
     """Of a study that reckons utilisation."""
-    lines = list(rows(data)) if VARIABLE in data else []
+    lines = [*rows(data), *of_none(lost(data, "fixed"), len(HEADER))] if VARIABLE in data else []
     return Table("Utilisation of tubes", HEADER, lines, NOTE + of_survivors(lines))
 
 

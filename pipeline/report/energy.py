@@ -130,5 +130,5 @@ def _by_design(data: xr.Dataset, variable: str, word: str, scale: float) -> Iter
                 figures = marked(mean, other, scale), texts(mean * YEAR / (1e3 * scale))
                 lines.append((", ".join([*labels, name]), word, *figures[0], *figures[1], str(of)))
         yield _Design(-math.inf if np.isnan(power[-1, 0]) else float(power[-1, 0]), lines)
-    for label, failed in lost(data):
+    for label, failed in lost(data, "elastic-no-floats"):
         yield _Design(-math.inf, [(label, word, *["-"] * 6, f"-, {failed} failed")])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.report.tables import Table, of_survivors
+from pipeline.report.tables import Table, of_none, of_survivors
 from pipeline.report.yearly import Counts, cells, counts, failures, lost, named, realized
 from pipeline.results.arrays import INNER
 from pipeline.results.variables import meaning
@@ -39,10 +39,7 @@ NOTE = (
 def table(data: xr.Dataset) -> Table:
     """Of a study with several sea states."""
     lines = list(rows(data)) if data.sizes.get("sea_state", 1) > 1 else []
-    none = list(lost(data)) if lines else []
-    if len(none) > SEVERAL:
-        none = [(f"{len(none)} designs", sum(count for _, count in none))]
-    lines += [(label, *["-"] * (len(HEADER) - 2), f"-, {count} failed") for label, count in none]
+    lines += of_none(lost(data), len(HEADER), SEVERAL) if lines else []
     return Table("Governing sea states", HEADER, lines, NOTE + of_survivors(lines))
 
 

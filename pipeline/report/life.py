@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report.tables import Table, marked, remarks, texts
+from pipeline.report.tables import Table, marked, of_none, remarks, texts
 from pipeline.report.yearly import (
     ESTIMATES,
     FAILED,
@@ -19,6 +19,7 @@ from pipeline.report.yearly import (
     cells,
     counts,
     failures,
+    lost,
     of_part,
     off,
     over_seas,
@@ -68,6 +69,7 @@ def table(data: xr.Dataset) -> Table:
     """Of a study that reckons damage."""
     data = weighed(data)
     lines = list(rows(data))
+    lines += of_none(lost(data, "fixed"), len(HEADER)) if lines else []
     seas = "these by their occurrence" if "occurrence" in data.coords else "all of which count alike"
     note = f"Mean damage over realizations and sea states, {seas}{NOTE}"
     return Table("Fatigue", HEADER, lines, note + of_part(data) + remarks(lines))

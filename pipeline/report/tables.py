@@ -36,6 +36,14 @@ def of_survivors(lines: Iterable[tuple[str, ...]]) -> str:
     return SURVIVORS if any("failed" in line[-1] for line in lines) else ""
 
 
+def of_none(none: Iterable[tuple[str, int]], columns: int, most: int = MANY) -> list[tuple[str, ...]]:
+    """Lines of designs that failed whole, with how many tasks; of more than so many designs one of all."""
+    every = list(none)
+    if len(every) > most:
+        every = [(f"{len(every)} designs", sum(count for _, count in every))]
+    return [(label, *["-"] * (columns - 2), f"-, {count} failed") for label, count in every]
+
+
 def remarks(lines: Collection[tuple[str, ...]]) -> str:
     """Sentences where numbers are marked, and where realizations failed."""
     return OFF * any(line[WORDS].endswith(MARK) for line in lines) + of_survivors(lines)

@@ -181,9 +181,10 @@ def _judging(scene: Scene, system: System) -> Recorder:
 
 
 def sharpest_bend(scene: Scene) -> float:
-    """Time [s] at which the slope of a load history changes most; infinite without one that has a bend."""
+    """Time [s] of a run at which the slope of a load history changes most; infinite without one that has a bend."""
     histories = scene.platform.load_histories if scene.platform else ()
-    return max((history.bend for history in histories), default=(0.0, np.inf))[1]
+    end = scene.settings.discard + scene.settings.duration
+    return max((history.bend(end) for history in histories), default=(0.0, np.inf))[1]
 
 
 def step_errors(probe: Probe, h: Hydrodynamics | None) -> dict[str, float]:

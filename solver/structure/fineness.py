@@ -24,10 +24,11 @@ MOST_OF_ALL = 10_000
 
 
 def by_inertia(member: Member, section: Section, L: float, density: float, growth: np.ndarray) -> float:
-    """Of an element of length L, over ω² [s²]; it carries the water's mass, too, and growth of a thickness [m] and a
-    density [kg/m3] (2,)."""
+    """Of an element of length L, over ω² [s²]; it carries the water's mass, too, and, if it is round, growth of a
+    thickness [m] and a density [kg/m3] (2,)."""
     material, (thickness, of_growth) = member.material, growth
-    bare, whole = (np.pi / 4 * (section.diameter + layer) ** 2 for layer in (0.0, 2 * thickness))
+    layers = 0.0, 2 * thickness * (section.diameter > 0)
+    bare, whole = (np.pi / 4 * (section.diameter + layer) ** 2 for layer in layers)
     displaced = (member.inertia_coefficient - 1) * whole
     mass = material.density * section.area + density * (displaced + section.hollow * bool(member.flooded))
     mass += of_growth * (whole - bare)

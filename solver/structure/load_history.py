@@ -29,16 +29,23 @@ class LoadHistory:
         elif not np.all(rises := np.diff(self.time) > 0):
             at = int(np.argmin(rises)) + 1
             yield InputError(f"{key}.time", f"{self.time[at]:g}", f"must be > {self.time[at - 1]:g} s, the one before")
+        if self.force.shape != (self.time.size, 3):
+            limit = f"must have three components at each of {self.time.size} times"
+            yield InputError(f"{key}.force", f"of shape {self.force.shape}", limit)
+        for name, values in (("time", self.time), ("force", self.force)):
+            if not np.all(np.isfinite(values)):
+                yield InputError(f"{key}.{name}", "a gap", "every number must be finite")
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """Force (m, 3) [N] at times (m,) [s]; level beyond its ends."""
         return np.stack([np.interp(t, self.time, along) for along in self.force.T], axis=-1)
 
-    @property
-    def bend(self) -> tuple[float, float]:
-        """Largest change of its slope after the start [N/s], and when that is [s]: never, if there is none."""
+    def bend(self, end: float) -> tuple[float, float]:
+        """Largest change of its slope after the start and before an end [N/s], and when that is [s]: never, if there is
+        none."""
         slope = np.diff(self.force, axis=0) / np.diff(self.time)[:, None]
-        change = np.linalg.norm(np.diff(slope, axis=0, prepend=0.0, append=0.0), axis=1) * (self.time > 0)
+        change = np.linalg.norm(np.diff(slope, axis=0, prepend=0.0, append=0.0), axis=1)
+        change *= (self.time > 0) & (self.time < end)
         at = int(np.argmax(change))
         return float(change[at]), float(self.time[at]) if change[at] > 0 else np.inf
 

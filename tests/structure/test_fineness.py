@@ -12,7 +12,7 @@ from solver.structure.frame import Frame
 from solver.structure.frame_model import assemble
 from solver.structure.members import MarineGrowth, Member
 from solver.structure.modes import modes
-from solver.structure.sections import tube
+from solver.structure.sections import box, tube
 from tests.structure.test_soil import bent, even, pile
 
 WATER = {"density": 1025.0, "gravity": 9.81}
@@ -111,6 +111,9 @@ def test_growth_that_moves_with_a_member_counts(steel):
     assert fineness.thickest(replace(frame, growth=step), frame.ends(frame.members[0])) == pytest.approx(growth)
     (member,), bare, whole = frame.members, np.pi / 4 * 0.5**2, np.pi / 4 * 0.7**2
     alone, grown = (by_inertia(member, member.section, 5.0, 1025.0, g) for g in (BARE, growth))
+    square = replace(member, section=box(0.5, 0.5, 0.01), inertia_coefficient=0.0)
+    none, some = (by_inertia(square, square.section, 5.0, 1025.0, g) for g in (BARE, growth))
+    assert none == some  # it grows on what is round alone
     own = steel.density * member.section.area
     assert grown / alone == pytest.approx((own + 1025.0 * whole + 1300.0 * (whole - bare)) / (own + 1025.0 * bare))
     assert elements(frame) >= elements(replace(frame, growth=()))

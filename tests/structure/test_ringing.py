@@ -5,6 +5,7 @@ import pytest
 from pytest import approx
 from scipy import signal
 
+from solver.errors import InputError
 from solver.structure import ringing
 from solver.structure.load_history import LoadHistory
 from solver.structure.ringing import Pieces, lines, parabolas, products, sizes
@@ -100,3 +101,24 @@ def test_products_are_those_of_another_integration(monkeypatch, at_once):
     size = np.sqrt(np.mean(samples**2, axis=1))
     assert R.T @ R / np.outer(size, size) == approx(samples @ samples.T / 701 / np.outer(size, size), abs=1e-3)
     assert R[0] == approx(samples.mean(axis=1), rel=1e-3, abs=1e-4 * size.max())
+
+
+def test_a_history_bends_most_within_the_run():
+    """A file may go on; what it does after the run's end pushes nothing."""
+    time, force = np.array([0.0, 10.0, 11.0, 12.0, 30.0, 31.0, 32.0]), np.zeros((7, 3))
+    force[[2, 5], 0] = 1e3, 1e6
+    history = LoadHistory(node="top", time=time, force=force)
+    assert history.bend(20.0) == (2e3, 11.0) and history.bend(40.0) == (2e6, 31.0) and history.bend(5.0)[1] == np.inf
+
+
+@pytest.mark.parametrize(
+    ("time", "force", "told"),
+    [
+        ([0.0, 1.0], np.ones((3, 3)), r"force = of shape \(3, 3\): must have three components at each of 2 times"),
+        ([0.0, 1.0], np.full((2, 3), np.nan), "force = a gap: every number must be finite"),
+        ([0.0, np.inf], np.ones((2, 3)), "time = a gap: every number must be finite"),
+    ],
+)
+def test_what_is_no_history_is_refused(time, force, told):
+    with pytest.raises(InputError, match=rf"load_histories\.top\.{told}"):
+        LoadHistory(node="top", time=np.array(time), force=force)

@@ -50,6 +50,21 @@ def test_of_many_designs_each_has_its_worst_sea_and_the_worst_is_the_first():
             assert lines == [f"sample {n}, rough" for n in range(MANY, -1, -1)]
 
 
+def test_a_design_that_failed_whole_is_told():
+    """A line of its own, or of more than MANY one for all."""
+    for count in (2, MANY + 2):
+        data = dataset().expand_dims(sample=np.arange(count)).copy(deep=True)
+        data = data.assign(status=(("sample", "sea_state", "seed"), np.full((count, 3, 2), "failed", "U8")))
+        data.status[0], data.utilisation[1:] = "done", np.nan
+        told = table(data)
+        label = "sample 1" if count == 2 else f"{count - 1} designs"
+        assert (
+            told.lines[-1] == (label, *["-"] * 4, f"-, {6 * (count - 1)} failed")
+            and SURVIVORS in told.note
+            and len({*map(len, told.lines)}) == 1
+        )
+
+
 def test_realizations_that_failed_are_told():
     data = dataset().assign(status=(("sea_state", "seed"), [["done"] * 2, ["done", "failed"], ["failed"] * 2]))
     data.utilisation[1, 1] = data.utilisation[2] = np.nan

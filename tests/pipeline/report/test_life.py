@@ -182,6 +182,16 @@ def test_a_regular_sea_has_one_realization_whatever_the_seeds():
     assert np.isnan(lives(alone).damage.sel(estimate="low")).all()
 
 
+def test_a_design_that_failed_whole_is_told():
+    """But no platform without legs."""
+    data = dataset([[4e-6] * 3, [1e-6] * 3]).expand_dims(platform=["elastic", "fixed"], sample=[1, 2]).copy(deep=True)
+    data = data.assign(status=(data.damage.dims[:4], np.full(data.damage.shape[:4], "failed", "U8")))
+    data.damage[1], data.damage[:, 1], data.status[0, 0] = np.nan, np.nan, "done"
+    told = table(data)
+    assert told.lines[-1] == ("elastic, sample 2", *["-"] * 7, "-, 6 failed") and SURVIVORS in told.note
+    assert not any("fixed" in line[0] for line in told.lines)
+
+
 def test_realizations_that_failed_are_told_those_that_have_not_run_are_not():
     """Nor is what no task stands for, a regular sea's other seeds, or a platform without legs."""
     data = dataset([[4e-6] * 3, [1e-6, np.nan, np.nan]]).expand_dims(platform=["elastic", "fixed"]).copy(deep=True)
