@@ -58,11 +58,8 @@ def test_a_design_that_failed_whole_is_told():
         data.status[0], data.utilisation[1:] = "done", np.nan
         told = table(data)
         label = "sample 1" if count == 2 else f"{count - 1} designs"
-        assert (
-            told.lines[-1] == (label, *["-"] * 4, f"-, {6 * (count - 1)} failed")
-            and SURVIVORS in told.note
-            and len({*map(len, told.lines)}) == 1
-        )
+        assert told.lines[-1] == (label, *["-"] * 4, f"-, {6 * (count - 1)} failed")
+        assert SURVIVORS in told.note and len({*map(len, told.lines)}) == 1
 
 
 def test_realizations_that_failed_are_told():
