@@ -7,7 +7,7 @@ of either.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.report.best import power_in
@@ -80,7 +80,8 @@ def answers(data: xr.Dataset, pair: Pair | None) -> xr.Dataset:
             found[name] = over_seas(each, data).assign_attrs(attrs)
         if pair and pair.axis in each.dims:
             one, other = (each.sel({pair.axis: label}, drop=True) for label in pair.labels)
-            first, second = (f"{pair.axis}={_word(label)}" for label in pair.labels)
+            named = _words(data[pair.axis])
+            first, second = (f"{pair.axis}={named[label]}" for label in pair.labels)
             told = {"first": first, "second": second, "long_name": f"{long_name}: first less second, in the same waves"}
             found[f"{name}{DIFFERENCE}"] = over_seas(one - other, data).assign_attrs(attrs | told)
     kept = {name: data.attrs[name] for name in KEPT if name in data.attrs}
@@ -116,7 +117,7 @@ def pair_of(data: xr.Dataset, words: str) -> Pair | None:
     name, _, labels = words.partition("=")
     if name not in axes:
         raise ValueError(f"must begin with an axis: {', '.join(axes) or 'there is none'}")
-    known = {_word(label): label for label in axes[name].values.tolist()}
+    known = {word: label for label, word in _words(axes[name]).items()}
     chosen = [_known(word.strip(), known) for word in labels.split(",")]
     if len(chosen) != 2 or not {*chosen} <= known.keys() or chosen[0] == chosen[1]:
         raise ValueError(f"must be {name}=FIRST,SECOND, two of {', '.join(known)}")
@@ -125,14 +126,17 @@ def pair_of(data: xr.Dataset, words: str) -> Pair | None:
     return Pair(name, (known[chosen[0]], known[chosen[1]]))
 
 
-def _word(label: Any) -> str:
-    return f"{label:g}" if isinstance(label, float) else str(label)
+def _words(axis: xr.DataArray) -> dict[Any, str]:
+    """Of each label: six digits of numbers, or all where those do not tell them apart."""
+    labels = axis.values.tolist()
+    short = [f"{label:g}" if isinstance(label, float) else str(label) for label in labels]
+    return dict(zip(labels, short if len({*short}) == len(labels) else map(str, labels), strict=True))
 
 
-def _known(word: str, known: Iterable[str]) -> str:
-    """A number as the axis writes it: 2e5 is 200000."""
+def _known(word: str, known: Mapping[str, Any]) -> str:
+    """A number as the axis writes it: 2e5 is 200000, with as many digits as it may have."""
     with contextlib.suppress(ValueError):
-        return next((one for one in known if float(one) == float(word)), word)
+        return next((one for one, label in known.items() if float(word) in (label, float(one))), word)
     return word
 
 

@@ -116,6 +116,20 @@ def test_what_is_no_pair_is_refused(words, told):
         pair_of(dataset(), words)
 
 
+@pytest.mark.parametrize(
+    ("labels", "words", "told"),
+    [
+        ((2100.0004, 2100.0005), "2100.0005,2100.0004", "2100.0005"),
+        ((1e4, 31622.776601), "31622.776601,1e4", "31622.8"),
+    ],
+)
+def test_labels_that_six_digits_do_not_tell_apart_are_told_by_all(labels, words, told):
+    data = dataset(pto_damping=list(labels))
+    pair = pair_of(data, f"pto_damping={words}")
+    assert pair.labels == labels[::-1]
+    assert answers(data, pair).mean_power_difference.attrs["first"] == f"pto_damping={told}"
+
+
 def test_designs_that_meet_other_waves_have_no_difference():
     data = dataset(pto_damping=("pto_damping", [1e5, 2e5], {"long_name": "depth (water.depth)"}))
     assert pair_of(data, "") is None
