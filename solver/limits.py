@@ -77,12 +77,10 @@ def pushed(scene: Scene, field: WaveField) -> list[dict[str, float]]:
     They push at most as on a wall as wide as it and all that it carries which sends all of them back, by
     ½ρga² (1 + 2kh/sinh 2kh) each per width. Each axis has its own springs alone.
     """
-    wide, carriers = [0.0] * len(scene.floats), scene.carriers
+    wide = [0.0] * len(scene.floats)
     for b, item in enumerate(scene.floats):
-        borne_by = b
-        while borne_by >= 0:
-            wide[borne_by] += 2 * item.hull.largest_radius
-            borne_by = carriers[borne_by]
+        for bearer in scene.bearers(b):
+            wide[bearer] += 2 * item.hull.largest_radius
     deep = np.minimum(2 * field.k * field.depth, DEEP)
     powers = 0.5 * np.abs(field.sea.amplitude) ** 2 * (1 + deep / np.sinh(deep))
     load = scene.water.density * scene.water.gravity * float(powers.sum())

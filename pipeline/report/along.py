@@ -25,7 +25,7 @@ MANY, LOW = 8, 0.25  # so many numbers of which half lie in the lowest quarter, 
 def along(results: Results, dim: str) -> Figure | None:
     """A panel for each quantity; words stand in rows, numbers that change together have a row of panels each."""
     labels, words = results.labels(dim), in_rows(results, dim)
-    shown = [quantity for quantity in results.measures if _any(results, quantity, dim, words)]
+    shown = [quantity for quantity in results.measures if _any(results, quantity, dim)]
     if not shown or len(labels) < 2:
         return None
     across = [dim] if words else abscissae(results, dim)
@@ -78,10 +78,17 @@ def _values(results: Results, quantity: Measure, dim: str, sea: str) -> xr.DataA
     return results.values(quantity.variable, statistic=quantity.statistic, sea_state=sea, **others)
 
 
-def _any(results: Results, quantity: Measure, dim: str, words: bool) -> bool:
+def drawn(results: Results, dim: str) -> dict[str, list[Any]]:
+    """The sea states and labels that there is room for: where words stand in rows one sea."""
+    words = in_rows(results, dim)
+    seas = [results.sea] if words else list(results.marked)
+    return {"sea_state": seas, dim: results.labels(dim)[: ROOM if words else None]}
+
+
+def _any(results: Results, quantity: Measure, dim: str) -> bool:
     """Whether there are numbers to draw."""
-    values = (_values(results, quantity, dim, sea) for sea in ([results.sea] if words else results.marked))
-    return any(finite(each.sel({dim: results.labels(dim)[: ROOM if words else None]})).size > 0 for each in values)
+    part = drawn(results, dim)
+    return any(finite(_values(results, quantity, dim, sea).sel({dim: part[dim]})).size > 0 for sea in part["sea_state"])
 
 
 def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> None:

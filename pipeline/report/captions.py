@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.report import arrays, envelopes, figures, series, sketch, strips
-from pipeline.report.along import along, in_rows
+from pipeline.report.along import along, drawn, in_rows
 from pipeline.report.figures import ROOM, Results, short, told
 from pipeline.report.responses import METHOD, beside, responses, shown_at
 
@@ -30,8 +30,8 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
     at_waves = shown_at(results)
     both = len(beside(results)) > 1
     of_waves = told(results, {dim: at_waves[dim] for dim in results.first if not (both and dim == METHOD)})
-    measures = " and ".join(quantity.name for quantity in figures.shown(results)).capitalize()
-    variables = [quantity.variable for quantity in figures.shown(results)]
+    shown = figures.shown(results)
+    measures, variables = " and ".join(quantity.name for quantity in shown).capitalize(), [q.variable for q in shown]
     of_seas = results.survivors(variables, results.first, {"sea_state": results.seas})
     fixed = _filled(results, variables)
     spread = f"Dots: mean over realizations; bars: least and largest.{fixed}"
@@ -128,12 +128,9 @@ def _of_seas(results: Results, dim: str) -> str:
 
 def _of_axis(results: Results, dim: str) -> str:
     """What a figure along an axis leaves out of its means, is held at, and has no room for."""
-    words = in_rows(results, dim)
     variables = [quantity.variable for quantity in results.measures]
     others = {name: label for name, label in results.first.items() if name != dim}
-    seas = [results.sea] if words else list(results.marked)
-    drawn = {"sea_state": seas, dim: results.labels(dim)[: ROOM if words else None]}
-    return results.survivors(variables, others, drawn) + held(results, dim) + _cut(results, dim)
+    return results.survivors(variables, others, drawn(results, dim)) + held(results, dim) + _cut(results, dim)
 
 
 def _at(results: Results, *about: str) -> str:

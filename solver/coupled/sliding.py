@@ -67,13 +67,11 @@ def leaders(scene: Scene, waves: WaveField) -> tuple[int, ...]:
 
 def _lever(scene: Scene, b: int, waves: WaveField) -> float:
     """How far 1 rad of an axis, its own or a carrier's, takes a float along the waves [m], at most."""
-    most, centre, owner = 0.0, scene.floats[b].centre, b
-    while owner >= 0:
-        f = scene.floats[owner]
-        arms = [np.cross(f.direction(axis), centre - f.hinge) for axis in f.motion if not limits.slides(axis)]
-        most = max([most, *(abs(float(arm @ waves.direction)) for arm in arms)])
-        owner = scene.carriers[owner]
-    return most
+    centre, turning = scene.floats[b].centre, (scene.floats[owner] for owner in scene.bearers(b))
+    arms = [
+        np.cross(f.direction(axis), centre - f.hinge) for f in turning for axis in f.motion if not limits.slides(axis)
+    ]
+    return max((abs(float(arm @ waves.direction)) for arm in arms), default=0.0)
 
 
 def places(

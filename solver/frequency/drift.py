@@ -96,7 +96,7 @@ def variables(case: Case, response: Response) -> tuple[dict[str, Labelled], dict
     if axes.size:
         loads = np.stack([force[:, 0], force[:, 1], moment], axis=1)
         each = loads[:, [HORIZONTAL.index(channels.names[i]) for i in axes]]
-        if _guided(scene, channels) and _turned(each, case.model.length[axes]):
+        if _guided(scene) and _turned(each, case.model.length[axes]):
             axes, each, held = axes[:-1], each[:, :-1], GUIDED
         slow = slow_load(waves.omega, waves.amplitude, each, scene.settings.duration)
         damped = replace(
@@ -127,19 +127,17 @@ def _point(scene: Scene) -> np.ndarray:
 
 def _axes(scene: Scene, channels: Channels) -> np.ndarray:
     """The joint axes along which the far field's loads move the support, in the order of HORIZONTAL."""
-    b = _support(scene)
-    own = [i for i in range(len(channels.names)) if channels.owner[i] == b and channels.names[i] in HORIZONTAL]
-    return np.array(sorted(own, key=lambda i: HORIZONTAL.index(channels.names[i])), int)
+    own = {name: i for i, name in enumerate(channels.names) if channels.owner[i] == _support(scene)}
+    return np.array([own[name] for name in HORIZONTAL if name in own], int)
 
 
-def _guided(scene: Scene, channels: Channels) -> bool:
+def _guided(scene: Scene) -> bool:
     """Whether the support's joint bears a part of the moment about the vertical that yaw does not feel.
 
     Where it holds one of surge and sway, or of roll and pitch, and guides the other, its load acts where the waves have
     taken the support, or as they have tilted it.
     """
-    b = _support(scene)
-    free = {channels.names[i] for i in range(len(channels.names)) if channels.owner[i] == b}
+    free = {*scene.floats[_support(scene)].motion}
     return "yaw" in free and any(len(pair & free) == 1 for pair in ({"surge", "sway"}, {"roll", "pitch"}))
 
 

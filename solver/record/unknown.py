@@ -20,10 +20,7 @@ def without_unknown(record: Record, scene: Scene, h: Hydrodynamics | None) -> tu
     for b, f in enumerate(scene.floats):
         if not (along := [dof for body, dof in columns if body == b]):
             continue
-        bearer = b
-        while bearer >= 0:  # whose joint bears what it carries, too
-            cells |= {(bearer, dof) for dof in along}
-            bearer = scene.carriers[bearer]
+        cells |= {(bearer, dof) for bearer in scene.bearers(b) for dof in along}  # a joint bears what it carries, too
         held, axes = (", ".join(names[d] for d in along) for names in (DOFS, "xyz"))
         sentences.append(f"coefficients: the file lacks {held} of {f.name}, so its {OUTPUT} along {axes} is not known")
     known = replace(record, variables=_masked(record.variables, cells), series=_masked(record.series, cells))

@@ -301,6 +301,13 @@ class Scene:
         names = [f.name for f in self.floats]
         return tuple(names.index(f.on) if f.on else -1 for f in self.floats)
 
+    def bearers(self, b: int) -> Iterator[int]:
+        """Number of a float, and of each that carries the one before, up to the support."""
+        carriers = self.carriers
+        while b >= 0:
+            yield b
+            b = carriers[b]
+
     @property
     def standing(self) -> tuple[bool, ...]:
         """Which floats stand on the seabed."""
