@@ -250,7 +250,11 @@ def answer(study: Study, path: Path, between: str) -> Path:
         written = path.with_name("answers.nc")
         for table in report.answers(data):
             show(table, out)
-        show(answers.table(found := answers.answers(data, pair)), out, written.name)
+        show(differences := answers.table(found := answers.answers(data, pair)), out, written.name)
+        if between and not differences.lines:
+            say(
+                f"--between = {between}: no differences, for which both need a realization in common in every sea state"
+            )
         with appearing(written) as part:
             to_file(part, answers.variables(found), found.attrs)
     return written

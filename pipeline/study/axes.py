@@ -187,7 +187,7 @@ class Variant(Table):
     def _list(cls, table: Any) -> Any:
         if not isinstance(table, dict):
             return table
-        return {key: listed(key, value) for key, value in by_path(table, ranges=True).items()}
+        return {key: listed(key, value) for key, value in _once(by_path(table, ranges=True)).items()}
 
 
 class Survival(Table):
@@ -209,7 +209,7 @@ class Survival(Table):
 def _apart(data: Mapping[str, Any], fields: Collection[str]) -> dict[str, Any]:
     """A table's own fields, and other keys by their paths."""
     own = {key: data[key] for key in fields if key in data}
-    return own | {"keys": by_path({key: value for key, value in data.items() if key not in own})}
+    return own | {"keys": _once(by_path({key: value for key, value in data.items() if key not in own}))}
 
 
 def variant_axis(variants: Mapping[str, Variant]) -> Axis:
@@ -239,7 +239,7 @@ def implied_sea(axes: Any) -> dict[str, Any] | None:
         return None
     groups = axes.get("together")
     tables = [axes, *(g for g in (groups if isinstance(groups, list) else ()) if isinstance(g, dict))]
-    paths = {path: value for table in tables for path, value in by_path(table, ranges=True).items()}
+    paths = {path: value for table in tables for path, value in by_path(table, ranges=True)}
     found = {path: _values(path, value) for path, value in paths.items() if path.startswith("sea.")}
     return {path.removeprefix("sea."): values[0] for path, values in found.items() if values} or None
 
@@ -256,10 +256,17 @@ def _flat(table: type[Table], data: Mapping[str, Any]) -> dict[str, Any]:
     """Keys, of which those that are no field of the table's may be tables in tables: a path without quotes."""
     if "keys" in data:
         refuse_key('"keys"', 'unknown key; a key is varied by its dotted path in quotes, "platform.damping_ratio"')
+    own = {key: value for key, value in data.items() if key in table.model_fields}
+    return own | _once(by_path({key: value for key, value in data.items() if key not in own}, ranges=True))
+
+
+def _once(paths: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Of which none comes twice."""
     flat: dict[str, Any] = {}
-    for key, value in data.items():
-        nested = isinstance(value, dict) and key not in table.model_fields
-        flat |= by_path({key: value}, ranges=True) if nested else {key: value}
+    for path, value in paths:
+        if path in flat:
+            refuse_key(path, "is given twice, in quotes and in a table")
+        flat[path] = value
     return flat
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 LAST = re.compile(r"[^.]*(\.\d+)*$")
@@ -35,10 +35,10 @@ def last(path: str) -> str:
     return found[0] if found else path
 
 
-def by_path(table: Mapping[str, Any], above: str = "", *, ranges: bool = False) -> dict[str, Any]:
-    """Tables in tables as dotted paths; or all but those that are ranges."""
-    flat: dict[str, Any] = {}
+def by_path(table: Mapping[str, Any], above: str = "", *, ranges: bool = False) -> Iterator[tuple[str, Any]]:
+    """Tables in tables as dotted paths; or all but those that are ranges. A path may come twice, written both ways."""
     for key, value in table.items():
-        deeper = isinstance(value, dict) and not (ranges and value.keys() & {"from", "mean"})
-        flat |= by_path(value, f"{above}{key}.", ranges=ranges) if deeper else {f"{above}{key}": value}
-    return flat
+        if isinstance(value, dict) and not (ranges and value.keys() & {"from", "mean"}):
+            yield from by_path(value, f"{above}{key}.", ranges=ranges)
+        else:
+            yield f"{above}{key}", value

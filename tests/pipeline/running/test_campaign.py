@@ -514,7 +514,8 @@ def test_answers_are_printed_and_written_beside_the_dataset(cli, tmp_path):
     cli("run", "--workers", "1", "--select", "platform=fixed")
     told = cli("answers", "--between", "platform=elastic,fixed")
     path = tmp_path / "r" / "small" / "answers.nc"
-    assert str(path) in told.replace("\n", "") and "Differences" not in told  # of the other there is no number
+    assert str(path) in told.replace("\n", "") and "Differences" not in told
+    assert "platform=elastic,fixed: no differences, which need a realization in common" in told
     with dataset.opened(path) as data:
         assert data.estimate.values.tolist() == ["value", "low", "high"]
     cli("answers", "--between", "seed=0,1", code=1)

@@ -1106,6 +1106,19 @@ def test_files_of_a_variant_lie_beside_the_study(small, folder):
     assert {task.id for task in load(upper).tasks} == {task.id for task in study.tasks}
 
 
+@pytest.mark.parametrize(
+    ("table", "twice"),
+    [
+        ("axes", "'sea.Te' = [5.0, 8.0]\nsea.Te = [6.0, 7.0]"),
+        ("variants.a", "'sea.Te' = 6.0\nsea.Te = 7.0"),
+        ("survival", "Hs = 0.1\n'sea.Te' = 6.0\nsea.Te = 7.0"),
+    ],
+)
+def test_a_path_is_given_once_whichever_way_it_is_written(small, table, twice):
+    with pytest.raises(StudyError, match=f'{table}."sea.Te".*is given twice, in quotes and in a table'):
+        varied(small, twice) if table == "axes" else tables_under(small, f"[{table}]\n{twice}")
+
+
 def test_a_table_brought_in_may_be_the_current(small):
     study = tables_under(small, "[variants.still]\n[variants.streaming.current]\nspeed = 0.5")
     assert {t.parameters.current and t.parameters.current.speed for t in study.tasks} == {None, 0.5}
