@@ -201,7 +201,8 @@ def _least(item: Float, name: str, buoyancy: float, floats: Sequence[Float]) -> 
     i = item.motion.index(name)
     every = (line_pulls(f.lines, f.centre) for f in (item, *_hung(item, floats)))
     lines = sum(float(np.linalg.norm(pulls, axis=1).sum()) for pulls in every)
-    return lines + float(abs(item.moored.pretension[i]) + abs(item.per_axis("preload")[i]))
+    pulls = lines + float(abs(item.moored.pretension[i]) + abs(item.per_axis("preload")[i]))
+    return max(pulls, ROUNDING / ALLOWED * buoyancy)  # less is left of a pretension that is summed over lines
 
 
 def moored_at(scene: Scene, joints: np.ndarray | None) -> Iterator[tuple[list[Line], np.ndarray]]:

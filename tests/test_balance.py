@@ -81,6 +81,15 @@ def test_mass_that_balances_a_pull_is_no_reason():
     assert f"{surge} 4e+04 N; pitch: moment of weight " in text and "kg" not in text
 
 
+def test_a_pretension_summed_over_lines_leaves_rounding_alone():
+    """Of tethers whose pulls along surge cancel but for that."""
+    pulls = Mooring(stiffness=((0.0,) * 6,) * 6, pretension=(-1e-10, 2e-10, 0.0, 0.0, 0.0, 0.0))
+    item = ball(motion=("surge", "sway", "heave"), mooring=pulls)
+    assert imbalance(item, DEEP) == ()
+    (text,) = imbalance(replace(item, mooring=replace(pulls, pretension=(-1.0, 2e-10, 0.0, 0.0, 0.0, 0.0))), DEEP)
+    assert "surge" in text and "sway" not in text
+
+
 def line(angle, length=128.0):
     """Of a spread mooring, its fairlead 4 m and its anchor 120 m from the middle."""
     x, y = np.cos(angle), np.sin(angle)

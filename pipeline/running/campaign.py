@@ -275,9 +275,10 @@ class _Run:
 
     def _solved(self, solution: _Solution, outcomes: Sequence[Outcome]) -> Iterator[tuple[Task, Outcome]]:
         """Keep coefficients and let their tasks go; without them, the tasks have failed too."""
+        each = (outcomes[0].wall_time + solution.seconds) / len(outcomes)  # headings are solved for together
         for geometry, outcome in zip(solution.geometries, outcomes, strict=True):
             tasks = self.waiting.pop(geometry)
-            self.watch(geometry, replace(outcome, wall_time=outcome.wall_time + solution.seconds))
+            self.watch(geometry, replace(outcome, wall_time=each))
             if isinstance(outcome.result, Failure):
                 yield from ((task, outcome) for task in tasks)
             elif isinstance(outcome.result, bytes):

@@ -210,7 +210,7 @@ def remembered(
     if h.memory is not None and usual and hold == fitting.LOOSE and np.all(h.moved(h.memory_motions) == moved):
         return h.memory
     known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
-    return fitting.fit(*known, tolerance, motion_lengths(hulls, h.dofs), h.body, moved, h.resolved, hold)
+    return fitting.fit(*known, tolerance, motion_lengths(hulls, h.dofs), h.body, moved, h.resolved, hold, h.certain)
 
 
 def remembering(h: Hydrodynamics, hulls: tuple[Hull, ...], ways: tuple[tuple[str, ...], ...]) -> Hydrodynamics:

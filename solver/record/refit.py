@@ -123,7 +123,7 @@ def _numbers(usual: RadiationMemory, sampled: Samples) -> list[int]:
 def _sampled(h: Hydrodynamics, hulls: tuple[Hull, ...], ways: Ways, hold: float) -> Samples | None:
     """What memories of these coefficients are fitted to."""
     known = h.omega, h.added_mass, h.radiation_damping, h.added_mass_inf
-    return samples(*known, motion_lengths(hulls, h.dofs), h.body, h.moved(ways), h.resolved, hold)
+    return samples(*known, motion_lengths(hulls, h.dofs), h.body, h.moved(ways), h.resolved, hold, h.certain)
 
 
 @lru_cache(maxsize=KNOWN)

@@ -34,6 +34,8 @@ RESOLVED = 1e-3  # of the largest singular value: poles too broad to be told fro
 CLOSE = 1e-3  # of each motion's largest impedance: what the poles of what rings need not meet better
 UNTOLD = 0.1  # of A + iB/ω: where panels leave more of it they do not resolve the waves that a motion makes
 NEARBY = 3  # frequencies to either side
+CERTAIN = 4.0  # times its estimated error, and FAINTEST of its body's largest over squared lengths: a motion radiates
+FAINTEST = 1e-9
 HELD = 3  # of so many frequencies one is left out, and judges the poles
 HOPELESS = 10.0  # logarithms of squares above the least that is missed: more poles are not sought
 CURVES = 16  # sets of coefficients whose curves a process keeps
@@ -92,6 +94,18 @@ class Hydrodynamics:
     def body(self) -> np.ndarray:
         """Whose each motion is (n,), from 0."""
         return np.repeat(np.arange(len(self.centres)), len(self.dofs))
+
+    @cached_property
+    def certain(self) -> np.ndarray:
+        """Which motions (n,) radiate more than mesh error, however little beside others; of a file's, nobody knows."""
+        if self.error is None or "panels" not in self.settings:
+            return np.zeros(len(self.body), bool)
+        size, off = (np.abs(np.einsum("wii->wi", self._transfer(of))).max(axis=0) for of in (self, self.error))
+        return (size > CERTAIN * off) & radiates(size, self._lengths, self.body, least=FAINTEST)
+
+    def _transfer(self, of: "Hydrodynamics | MeshError") -> np.ndarray:
+        """B + iω(A - A∞) (nw, n, n)."""
+        return of.radiation_damping + 1j * self.omega[:, None, None] * (of.added_mass - of.added_mass_inf)
 
     @cached_property
     def shifted(self) -> "Hydrodynamics":
@@ -204,7 +218,7 @@ class Hydrodynamics:
         Diffraction (nw', n') as well, without the phase of the wave's arrival, 1 at most; of motions that radiate as
         much, so much is their forces' share in it.
         """
-        transfer = self.radiation_damping + 1j * self.omega[:, None, None] * (self.added_mass - self.added_mass_inf)
+        transfer = self._transfer(self)
         size = np.sqrt(np.abs(np.einsum("wii->wi", transfer)).max(axis=0))
         heard = np.flatnonzero(radiates(size**2, self._lengths, self.body))
         scaled = transfer[self.resolved][:, heard[:, None], heard] / np.outer(size[heard], size[heard])

@@ -25,8 +25,10 @@ def unit_motions(
 
 
 def motion_lengths(hulls: Sequence[Hull], dofs: Sequence[str]) -> np.ndarray:
-    """By which motions are told apart from those that radiate nothing (n,) [m]: 1, or the body's size if it turns."""
-    return np.array([1.0 if DOFS.index(d) < 3 else hull.largest_radius for hull in hulls for d in dofs])
+    """By which motions are told apart from those that radiate nothing (n,) [m]: 1, or how far from the axis that it
+    turns about the body has water, if not beyond its largest radius: deep down little goes to waves."""
+    far = np.array([np.append(np.ones(3), np.minimum(hull.levers, hull.largest_radius)) for hull in hulls])
+    return far[:, [DOFS.index(d) for d in dofs]].ravel()
 
 
 def body_name(hulls: Sequence[Hull], b: int) -> str:

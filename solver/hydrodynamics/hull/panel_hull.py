@@ -157,6 +157,12 @@ class PanelHull:
         return float(np.hypot(*self.wetted.reshape(-1, 3).T[:2]).max())
 
     @property
+    def levers(self) -> np.ndarray:
+        """Largest distances from the axes x, y, z through the reference point, below still water (3,) [m]."""
+        squares = self.wetted.reshape(-1, 3) ** 2
+        return np.asarray(np.sqrt((squares.sum(axis=1)[:, None] - squares).max(axis=0)))
+
+    @property
     def scale(self) -> float:
         """Radius of the circle as large as the waterplane, the largest radius where that is smaller [m]."""
         radius = np.sqrt(max(self.waterplane[0], 0.0) / np.pi)

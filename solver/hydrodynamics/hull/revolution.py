@@ -248,6 +248,12 @@ class Revolution:
         return max(s.widest for s in self.wetted())
 
     @property
+    def levers(self) -> np.ndarray:
+        """Largest distances from the axes x, y, z through the reference point, below still water (3,) [m]."""
+        far = max(s.furthest for s in self.wetted())
+        return np.array([far, far, self.largest_radius])
+
+    @property
     def size(self) -> float:
         """Distance from the reference point within which the whole hull lies [m]."""
         return max(s.furthest for s in self.meridian)

@@ -32,28 +32,30 @@ def fit(
     moved: np.ndarray | None = None,
     resolved: np.ndarray | None = None,
     hold: float = LOOSE,
+    certain: np.ndarray | None = None,
 ) -> RadiationMemory:
     """The passive memory of least order whose misfit of B - iωA is at most `tolerance`, else one of nearly the best.
 
     omega: (nw,) > 0 [rad/s]; added_mass, radiation_damping: (nw, n, n); added_mass_inf: (n, n).
-    Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and
-    beyond the frequency ω_p where the diagonal over `lengths`² peaks they count less, 1/(1 + (ω/ω_p)⁶): velocities
-    fall off about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
-    reflected between bodies ripple there faster than the BEM's frequencies show. A∞ is fitted along:
-    the BEM's has an error too, and counts as one more sample at `hold` times ω_p.
+    Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and beyond ω_p they
+    count less, 1/(1 + (ω/ω_p)⁶): velocities fall off about so fast, seas with ω^-2.5, the wave's force on a hull with
+    ω^-2, and mass with ω^-1; and waves reflected between bodies ripple there faster than the BEM's frequencies show.
+    ω_p is where a body's diagonal over `lengths`² peaks, between two the geometric mean: a small one hears shorter
+    waves. A∞ is fitted along: the BEM's has an error too, and counts as one more sample at `hold` times the ω_p of all.
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
     boundary elements say nothing. Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell
     motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
     rotations; ones by default. `body` (n,) tells whose they are, and beside which they are judged, if not beside all
-    that there are; by default one has them all. `moved` (n,) are the motions that there are, all by default: the
-    damping of these must be passive. What they do to the others is load on joints, without work, and fitted beside; the
-    rest is zero, and all of it where none that there is radiates more than mesh error.
+    that there are; by default one has them all. `certain` (n,) radiate more than that, however little; by default
+    nobody knows of any. `moved` (n,) are the motions that there are, all by default: the damping of these must be
+    passive. What they do to the others is load on joints, without work, and fitted beside; the rest is zero, and all of
+    it where none that there is radiates more than mesh error.
     resolved: (nw,) whether frequencies are close enough to each other to tell what goes on between them, all by
     default: elsewhere no poles are sought, and misfits count UNRESOLVED of that.
     """
     if not 0 < tolerance < LOST:
         raise InputError("memory_tolerance", tolerance, f"must be between 0 and {LOST:g}")
-    found = samples(omega, added_mass, radiation_damping, added_mass_inf, lengths, body, moved, resolved, hold)
+    found = samples(omega, added_mass, radiation_damping, added_mass_inf, lengths, body, moved, resolved, hold, certain)
     if found is None:  # as a cylinder in yaw
         none = np.zeros((0, *added_mass_inf.shape), complex)
         return RadiationMemory(beta=np.zeros(0, complex), residue=none, added_mass_inf=added_mass_inf, error=0.0)
@@ -82,6 +84,7 @@ def samples(
     moved: np.ndarray | None = None,
     resolved: np.ndarray | None = None,
     hold: float = LOOSE,
+    certain: np.ndarray | None = None,
 ) -> "Samples | None":
     """What `fit` fits, of its arguments; None where nothing that moves radiates more than mesh error."""
     n = len(added_mass_inf)
@@ -89,7 +92,8 @@ def samples(
     body = np.zeros(n, int) if body is None else body
     moved = np.ones(n, bool) if moved is None else np.asarray(moved, bool)
     size = _diagonal(omega, added_mass, radiation_damping, added_mass_inf).max(axis=0)
-    heard = radiates(size, lengths, body)
+    certain = np.zeros(n, bool) if certain is None else certain
+    heard = radiates(size, lengths, body) | certain
     if not np.any(moved & heard):
         return None
     heard |= radiates(size, lengths, body, moved)
@@ -104,7 +108,7 @@ def samples(
         )
     told = sound if resolved is None else sound & resolved
     known = added_mass[sound], radiation_damping[sound], added_mass_inf
-    return Samples.of(omega[sound], *known, lengths, heard, moved, told[sound], sound, hold)
+    return Samples.of(omega[sound], *known, lengths, body, heard, moved, told[sound], sound, hold)
 
 
 def _diagonal(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray, infinite: np.ndarray) -> np.ndarray:
@@ -155,6 +159,7 @@ class Samples:
         damping: np.ndarray,
         infinite: np.ndarray,
         lengths: np.ndarray,
+        body: np.ndarray,
         heard: np.ndarray,
         moved: np.ndarray,
         resolved: np.ndarray,
@@ -168,12 +173,14 @@ class Samples:
         upper, root = np.triu_indices(len(own)), np.sqrt(diagonal.max(axis=0))
         i = np.concatenate([own[upper[0]], np.repeat(other, len(own))])
         j = np.concatenate([own[upper[1]], np.tile(own, len(other))])
-        peak = omega[np.argmax((diagonal / lengths**2)[:, own].sum(axis=1))]
+        each = (diagonal / lengths**2)[:, own]
+        peak = omega[each.sum(axis=1).argmax()]
+        of_body = {b: omega[each[:, body[own] == b].sum(axis=1).argmax()] for b in np.unique(body[own])}
+        peaks = np.array([of_body.get(b, peak) for b in body])
         whole_infinite, scale = (infinite + infinite.T) / 2, root[i] * root[j]
         total = transfer + 1j * omega[:, None, None] * infinite
-        counts = 1 / (1 + (omega[:, None] / peak) ** FALL)
-        counts = counts * np.where(resolved, 1.0, UNRESOLVED)[:, None]
-        counts = np.repeat(counts, i.size, axis=1)
+        counts = 1 / (1 + (omega[:, None] / np.sqrt(peaks[i] * peaks[j])) ** FALL)
+        counts *= np.where(resolved, 1.0, UNRESOLVED)[:, None]
         weight = counts.max(axis=1)
         return cls(
             omega=omega,

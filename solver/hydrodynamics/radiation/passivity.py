@@ -33,7 +33,11 @@ UNPASSIVE = 0.5  # of the added mass: where B/ω takes as much power from the wa
 
 
 def radiates(
-    size: np.ndarray, lengths: np.ndarray, body: np.ndarray, among: np.ndarray | slice = slice(None)
+    size: np.ndarray,
+    lengths: np.ndarray,
+    body: np.ndarray,
+    among: np.ndarray | slice = slice(None),
+    least: float = SILENT,
 ) -> np.ndarray:
     """Which motions (n,) have more than mesh error of a size (n,) that goes with their lengths (n,) squared.
 
@@ -42,7 +46,7 @@ def radiates(
     """
     each, most = size / lengths**2, np.zeros(body.max(initial=-1) + 1)
     np.maximum.at(most, body, each)
-    return np.asarray((each > 0) & (each >= SILENT * np.minimum(most[body], each[among].max(initial=0.0))))
+    return np.asarray((each > 0) & (each >= least * np.minimum(most[body], each[among].max(initial=0.0))))
 
 
 def least_damping(impedance: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,10 +13,11 @@ from solver.coupled import preparation
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.bem import adopted, bem, incident
 from solver.hydrodynamics.bem import problem as bem_problem
-from solver.hydrodynamics.bem.coefficients import MeshError
+from solver.hydrodynamics.bem.coefficients import DOFS, MeshError
 from solver.hydrodynamics.bem.far_field import FarField
 from solver.hydrodynamics.bem.green import green_function
 from solver.hydrodynamics.bem.incident import Sea
+from solver.hydrodynamics.bem.mean_hull import motion_lengths
 from solver.hydrodynamics.hull import mesh as meshes
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
@@ -111,6 +112,32 @@ def test_coefficients_are_reciprocal_and_damping_is_positive():
     least = np.linalg.eigvalsh(h.radiation_damping)[:, 0]
     # Pitch of a hemisphere radiates nothing: its damping is mesh error of either sign, 3e-4 on this coarse mesh.
     assert least.min() > -1e-3 * np.abs(h.radiation_damping).max()
+
+
+@pytest.mark.parametrize(
+    ("hull", "planar", "dof", "certain"),
+    [
+        (PanelHull.of(*shapes.box((12, 1.2, 1))), False, 3, True),  # roll of a barge, in its mesh's own error
+        (Revolution.vertical_cylinder(radius=1.0, draft=24.0, freeboard=2.0), True, 1, True),  # heave of a spar
+        (FLOAT, True, 2, False),  # pitch of a hemisphere
+    ],
+)
+def test_what_radiates_little_is_told_from_mesh_error(hull, planar, dof, certain):
+    h = solve((hull,), np.zeros((1, 3)), depth=np.inf, omega=np.array([0.6, 1.3, 2.2]), planar=planar, panels=SMALL)
+    size = np.abs(h.radiation_damping + 1j * h.omega[:, None, None] * (h.added_mass - h.added_mass_inf)).max(axis=0)
+    assert size[dof, dof] < 0.02 * np.diag(size)[:2].max()
+    assert h.certain[dof] == certain and h.certain[:2].all()
+    assert not replace(h, error=None).certain.any()
+    assert not replace(h, settings=MappingProxyType({"method": "from a file"})).certain.any()  # of a mesh unknown
+
+
+def test_a_motion_is_as_large_as_its_lever():
+    box = PanelHull.of(*shapes.box((12, 1.2, 1), (0, 0, 0)))
+    assert motion_lengths((box, FLOAT), DOFS) == pytest.approx(
+        [1, 1, 1, np.hypot(0.6, 0.5), np.hypot(6, 0.5), np.hypot(6, 0.6), *np.ones(6)]
+    )
+    tall = Revolution.vertical_cylinder(radius=1.0, draft=24.0, freeboard=2.0)
+    assert motion_lengths((tall,), DOFS) == pytest.approx(np.ones(6))  # its foot makes no waves
 
 
 def test_a_pair_is_its_own_mirror_image():
