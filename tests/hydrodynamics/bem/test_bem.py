@@ -82,6 +82,19 @@ def test_truncated_cylinder_in_finite_depth():
     assert [largest_share(a, b) for a, b in zip(ours, (A, B), strict=True)] == pytest.approx([0, 0], abs=0.007)
 
 
+@pytest.mark.parametrize(
+    "points", [pytest.param(11, marks=pytest.mark.slow), 21, pytest.param(41, marks=pytest.mark.slow)]
+)
+def test_what_a_bowl_drawn_through_many_points_may_be_off_is_said(points):
+    """Against some nine times as many panels of its own."""
+    omega = np.sqrt(G / 3 * np.array([0.3, 1.0, 2.0]))
+    run = partial(solve, (shapes.bowl(points),), [[0, 0, 0]], depth=np.inf, omega=omega)
+    found, exact = run(panels=432), run(panels=3888)
+    off = MeshError(*(getattr(found, name) - getattr(exact, name) for name in MeshError._fields))
+    assert found.settings["panels"] == 432 and found.mesh_error < 0.005
+    assert 1 / 3 < replace(found, error=off).mesh_error / found.mesh_error < 3
+
+
 def test_haskind_heave_force_follows_from_damping():
     h = hemisphere()
     force = np.abs(h.diffraction + h.froude_krylov)[:, 1]
@@ -470,6 +483,14 @@ def test_the_grid_covers_the_band_and_resolves_reflections():
     step = np.diff(grid)
     assert grid[0] == 0.3 and grid[-1] == pytest.approx(alone[-1])
     assert np.all(step[grid[1:] < 5.0] * 4 * grid[1:][grid[1:] < 5.0] * 7.72 / G < 1.1)
+
+
+@pytest.mark.parametrize("depth", [8.0, 30.0, np.inf])
+def test_the_grid_resolves_reflections_in_shallow_water_too(depth):
+    """Waves of a depth's own dispersion, 300 m to the other body and back: 1 rad from one frequency to the next."""
+    wide = Revolution.vertical_cylinder(radius=10.0, draft=5.0, freeboard=20.0)
+    grid = bem.frequency_grid((wide, wide), [[0, 0, 0], [300, 0, 0]], depth=depth)
+    assert 2 * 300 * np.diff(wavenumber(grid, depth, G))[:60] == pytest.approx(1.0, abs=0.02)
 
 
 def test_a_body_wider_than_the_water_is_deep_has_coefficients():
