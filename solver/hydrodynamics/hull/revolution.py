@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.errors import InputError
+from solver.hydrodynamics.hull.surface import ON, SAME
 from solver.quantities import require_positive
 
 ALONG, AROUND = 24, 64  # points at which the wetted surface is summed
@@ -189,14 +190,20 @@ class Revolution:
 
     @classmethod
     def profile(cls, points: Sequence[tuple[float, float]]) -> "Revolution":
-        """Straight lines through points (r, z) [m], upwards along the outside; flat to the axis at both ends."""
-        line = [(float(r), float(z)) for r, z in points]
-        if not line:
+        """Straight lines through points (r, z) [m], upwards along the outside; flat to the axis at both ends.
+
+        Points closer to still water than ON of the extent lie on it, and those that come to coincide there are one.
+        """
+        given = [(float(r), float(z)) for r, z in points]
+        if not given:
             raise InputError("hull.points", "[]", "must be two points at least")
+        extent = max(2 * max(r for r, _ in given), float(np.ptp([z for _, z in given])))
+        line = [(r, 0.0 if abs(z) < ON * extent else z) for r, z in given]
+        line = [point for n, point in enumerate(line) if not n or point[1] or point != line[n - 1]]
         ends = ([(0.0, line[0][1])] if line[0][0] else []), ([(0.0, line[-1][1])] if line[-1][0] else [])
         line = ends[0] + line + ends[1]
         for (r, z), after in zip(line[1:-1], line[2:], strict=True):
-            if not r > 0 or (r, z) == after:
+            if not r > 0 or np.hypot(r - after[0], z - after[1]) <= SAME * extent:
                 raise InputError("hull.points", (r, z), "must be off the axis, r > 0 m, and unlike the one after")
         if not line[0][1] < 0 < line[-1][1]:
             raise InputError(
