@@ -18,6 +18,13 @@ def box(size, centre=(0, 0, 0)):
     return corner, np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 
 
+def bowl(points, *, radius=3.0, draft=4.0):
+    """Half an ellipse through so many points, under an upright wall."""
+    angle = np.linspace(0, np.pi / 2, points)[:-1]
+    line = np.column_stack([radius * np.sin(angle), -draft * np.cos(angle)])
+    return Revolution.profile([*line, (radius, 0.0), (radius, 2.0)])
+
+
 def read(name, content):
     """The hull in a file's content, bytes or text."""
     data = content if isinstance(content, bytes) else content.encode()

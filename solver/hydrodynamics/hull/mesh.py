@@ -9,7 +9,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.hull import surface
 from solver.hydrodynamics.hull.edges import jutting, narrowed
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.hull.plates import Plates, divisions, of_panels, pieces
+from solver.hydrodynamics.hull.plates import Plates, Stretch, of_panels, pieces, stretches
 from solver.hydrodynamics.hull.revolution import Revolution, polygon_radius
 from solver.hydrodynamics.hull.surface import merged, mirrored
 
@@ -46,9 +46,9 @@ def _revolved_panels(hull: Revolution, count: int, refine: int, quarters: int) -
     Vertices are pushed outwards, horizontally until the waterplane area is exact, then vertically
     until the displaced volume is: coefficients do not inherit an inscribed, too small, body.
     """
-    half, counts = _lattice(hull, count)
+    half, along = _lattice(hull, count)
     half *= refine
-    arc, azimuth, faces = _quarter(_rings(hull, [refine * n for n in counts]), half)
+    arc, azimuth, faces = _quarter(_rings(along, refine), half)
     r, z = _along(hull, arc).T
     z = np.minimum(z, 0.0)  # the waterline may come out above by rounding
     points = np.column_stack([r * np.cos(azimuth), r * np.sin(azimuth), z])
@@ -234,20 +234,20 @@ def inside(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     return np.sum(spans & meets, axis=1) % 2 == 1
 
 
-def _lattice(hull: Revolution, count: int) -> tuple[int, list[int]]:
-    """Panels in an eighth of the circumference, and along the meridian, see `divisions`."""
+def _lattice(hull: Revolution, count: int) -> tuple[int, list[Stretch]]:
+    """Panels in an eighth of the circumference, and along the meridian, see `stretches`."""
     if count < 12:
         raise InputError("panels", count, "must be at least 12")
     size = np.sqrt(hull.wetted_area / count) * 1.08  # those at edges and at the pole are smaller
-    return max(1, round(np.pi / 4 * hull.largest_radius / size)), divisions(hull, size)
+    return max(1, round(np.pi / 4 * hull.largest_radius / size)), stretches(hull, size)
 
 
-def _rings(hull: Revolution, counts: list[int]) -> np.ndarray:
-    """Arc lengths of the rings of vertices [m], finer towards edges and waterline, from mid first segment."""
-    (first, _), *others = pieces(hull)
-    rings = [first.length / 2 * (1 + _cluster(counts[0], start=0.0))]
-    for (segment, _), n in zip(others, counts[1:], strict=True):
-        rings.append(rings[-1][-1] + segment.length * _cluster(n, start=1.0)[1:])
+def _rings(along: list[Stretch], refine: int) -> np.ndarray:
+    """Arc lengths of the rings of vertices [m], finer towards edges and waterline, from mid first stretch."""
+    first, *others = along
+    rings = [first.length / 2 * (1 + _cluster(refine * first.panels, start=0.0))]
+    for length, count in others:
+        rings.append(rings[-1][-1] + length * _cluster(refine * count, start=1.0)[1:])
     return np.concatenate(rings)
 
 

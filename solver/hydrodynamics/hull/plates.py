@@ -6,17 +6,20 @@ lattice of dipoles of a thin plate, and converges evenly.
 """
 
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from solver.hydrodynamics.hull import surface
+from solver.hydrodynamics.hull.edges import SHARP
 from solver.hydrodynamics.hull.revolution import Revolution, Segment
 
 THIN = 0.15  # thickness of a plate over its width, at most: panels of the usual size are as wide as that
 ACROSS = 4  # panels from edge to edge before they are divided, at least: the added mass is then within 1 %
 OPPOSED = -0.9  # cosine of the faces' normals, at most
 NO_CUT = 1e-6  # of a length: an end that is nearer to another needs none
+FEW = 3  # short pieces in a row that keep their ends
 THINNER = 0.5  # thickness over a panel's side, below which panels of the two faces must be each other's images
 ALIKE = 0.1  # of a side: two panels are each other's images if their middles are no further from that
 KNOWN = 64
@@ -27,6 +30,13 @@ class Piece(NamedTuple):
 
     segment: Segment
     twin: int
+
+
+class Stretch(NamedTuple):
+    """A part of a meridian that panels divide as one."""
+
+    length: float  # [m]
+    panels: int  # along it, along the outer half of the first
 
 
 class Plates(NamedTuple):
@@ -68,14 +78,38 @@ def pieces(hull: Revolution) -> tuple[Piece, ...]:
     return tuple(Piece(face, twin[0] if twin else -1) for face, twin in zip(cut, twins, strict=True))
 
 
-def divisions(hull: Revolution, size: float) -> list[int]:
-    """Panels of about `size` [m] along the outer half of the first piece and along each other."""
-    (first, _), *others = pieces(hull)
-    count = [max(2, round(face.length / size)) for face, _ in others]
-    return [
-        max(1, round(first.length / 2 / size)),
-        *(n if twin < 1 else max(ACROSS, n, count[twin - 1]) for n, (_, twin) in zip(count, others, strict=True)),
-    ]
+def stretches(hull: Revolution, size: float) -> list[Stretch]:
+    """What panels of about `size` [m] divide as one: pieces by themselves, but where these are many and short.
+
+    Two panels at least along each would go by how many points a line is drawn through. Of short pieces in a row that
+    turn by less than SHARP, more than panels that their length asks for, the ends are therefore no panels' corners.
+    """
+    whole, found = pieces(hull), []
+    count = [max(2, round(face.length / size)) for face, _ in whole]
+    for row in _rows(whole, size):
+        length = sum(whole[n].segment.length for n in row)
+        asked = max(2, round(length / size))
+        if len(row) > max(FEW, asked):
+            found.append(Stretch(length, asked))
+            continue
+        for n in row:
+            twin = whole[n].twin
+            along = count[n] if twin < 1 else max(ACROSS, count[n], count[twin])
+            found.append(Stretch(whole[n].segment.length, along))
+    return [Stretch(found[0].length, max(1, round(found[0].length / 2 / size))), *found[1:]]
+
+
+def _rows(whole: tuple[Piece, ...], size: float) -> list[list[int]]:
+    """Numbers of pieces in a row that meet smoothly and are each too short for two panels; of others alone."""
+    short = [twin < 0 and round(face.length / size) < 2 for face, twin in whole]
+    rows = [[0]]
+    for n, (before, after) in enumerate(pairwise(whole), 1):
+        turn = before.segment.normal(1.0) @ after.segment.normal(0.0)
+        if short[n - 1] and short[n] and turn > np.cos(SHARP):
+            rows[-1].append(n)
+        else:
+            rows.append([n])
+    return rows
 
 
 def _is_plate(face: Segment, other: Segment) -> bool:

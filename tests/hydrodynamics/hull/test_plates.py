@@ -8,7 +8,7 @@ import pytest
 from solver.hydrodynamics.bem import bem
 from solver.hydrodynamics.hull import mesh
 from solver.hydrodynamics.hull.panel_hull import PanelHull
-from solver.hydrodynamics.hull.plates import pieces
+from solver.hydrodynamics.hull.plates import Stretch, pieces, stretches
 from solver.hydrodynamics.hull.revolution import Revolution
 from tests.awkward import prism
 
@@ -70,6 +70,32 @@ def test_panels_of_both_faces_are_each_others_images():
     below, above = (centres[wide & (np.abs(centres[:, 2] + z) < 1e-6), :2] for z in (DEEP, DEEP - 0.1))
     assert len(below) == len(above) == 8 * 4 * 2  # eight round a quarter, four from edge to edge, halved
     assert np.abs(below[:, None] - above).sum(axis=-1).min(axis=1).max() < 1e-9
+
+
+FEW = [(0.0, -3.0), (2.0, -2.0), (3.0, -1.0), (3.3, 0.0), (3.3, 2.0)]  # turns by 18 and 28 degrees
+JAGGED = [*((3.0 + n % 2, -6.0 + n) for n in range(7)), (3.0, 3.0)]
+
+
+@pytest.mark.parametrize(
+    ("points", "size", "count"),
+    [(FEW, 0.5, [2, 3, 2]), (FEW, 1.35, [1, 2, 2]), (FEW, 2.4, [1, 2, 2]), (JAGGED, 2.0, [1, 2, 2, 2, 2, 2, 2])],
+)
+def test_panels_end_where_pieces_do_that_are_few_or_turn_sharply(points, size, count):
+    hull = Revolution.profile(points)
+    lengths = [segment.length for segment in hull.wetted()]
+    assert stretches(hull, size) == list(map(Stretch, lengths, count))
+
+
+def test_many_short_pieces_in_a_row_are_divided_as_one():
+    """A bilge of eight pieces between bottom and wall; but not the faces of a plate."""
+    angle = np.linspace(0, np.pi / 2, 9)
+    bilge = np.column_stack([3 + 2 * np.sin(angle), -4 - 2 * np.cos(angle)])
+    bottom, rounding, wall = stretches(Revolution.profile([*bilge, (5.0, 3.0)]), 1.35)
+    assert (bottom, wall) == (Stretch(3.0, 1), Stretch(4.0, 3))
+    assert rounding == Stretch(pytest.approx(np.pi, rel=2e-3), 2)
+    across = np.linspace(3.0, 15.0, 7)
+    plate = Revolution.profile([*((r, -35.0) for r in across), *((r, -34.9) for r in across[::-1]), (3.0, 5.0)])
+    assert [s.panels for s in stretches(plate, 4.0)] == [1, *6 * [4], 2, *6 * [4], 9]
 
 
 def test_a_mesh_is_told_from_a_plate_by_its_panels():

@@ -9,6 +9,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem.mesh import Mesh
 from solver.hydrodynamics.hull.mesh import lid, mirror_planes, mirrored, panels, quarters
 from solver.hydrodynamics.hull.revolution import Revolution, Segment
+from tests.hydrodynamics.shapes import bowl
 
 HULLS = {
     "float": Revolution.hemisphere_cylinder(radius=1.0, height=0.6),
@@ -61,6 +62,18 @@ def test_a_profile_is_what_it_goes_through():
     assert spar.volume == pytest.approx(np.pi * (16 + 6 + 4 * 2) + frustum, rel=1e-14)
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("rim", [[-2.2e-16], [-1e-9], [1e-9], [-1e-5], [-1e-9, 1e-9]])
+def test_a_profiles_points_a_rounding_off_still_water_lie_on_it(rim, scale):
+    """No panels without an area between them and still water."""
+
+    def profile(*rim):
+        return Revolution.profile(scale * np.array([(0.0, -3.0), (2.0, -2.0), *((3.0, z) for z in rim), (3.0, 2.0)]))
+
+    assert profile(*rim) == profile(0.0)
+    assert profile(-1e-3) != profile(0.0)  # draughts of a millimetre are those of the drawing
+
+
 def test_volume_and_buoyancy_are_those_of_surface_quadrature(hull):
     # Divergence theorem: V = ∮ x n_x dS, and of z²/2: V z_b = ∮ z²/2 n_z dS. Rounding only.
     points, areas = hull.surface_points()
@@ -95,6 +108,15 @@ def test_panels_are_well_shaped_also_at_the_pole(hull):
     assert 300 < len(faces) < 800
     # Clustered rows at edges are up to 5 times longer than wide; a polar lattice would give 20 and more.
     assert (edges.max(axis=1) / edges.min(axis=1)).max() < 6
+
+
+@pytest.mark.parametrize("refine", [1, 2, 3])
+def test_panels_go_by_a_bodys_size_and_not_by_how_many_points_it_is_drawn_through(refine):
+    count = [len(panels(bowl(points), 48, refine=refine)[1]) for points in (7, 11, 21, 41, 90)]
+    assert count == 5 * [48 * refine**2]
+    vertices, _ = panels(bowl(41), 48, refine=refine)
+    # On the line, but for what makes the volume exact.
+    assert np.hypot(np.hypot(*vertices.T[:2]) / 3, vertices[:, 2] / 4) == pytest.approx(1, abs=0.06 / refine)
 
 
 def test_quarters_and_mirrors_make_the_same_hull(hull):
@@ -138,6 +160,8 @@ def test_places_a_hair_off_a_plane_are_on_it_for_all_that_ask(scale, off):
         (lambda: Revolution.profile([(-1.0, -1.0), (1.0, 2.0)]), "hull.points"),
         (lambda: Revolution.profile([(1.0, -1.0), (0.0, -0.5), (1.0, 1.0)]), "hull.points"),
         (lambda: Revolution.profile([(1.0, -1.0), (1.0, -1.0), (1.0, 1.0)]), "hull.points"),
+        (lambda: Revolution.profile([(1.0, -1.0), (1.0 + 1e-15, -1.0), (1.0, 1.0)]), "hull.points"),
+        (lambda: Revolution.profile([(2.0, -1e-9), (2.0, 1.0)]), "hull.points"),
         (lambda: Revolution.profile([(1.0, -1.0), (2.0, 1.0), (1.0, -0.5), (0.5, 2.0)]), "hull.points"),
         (lambda: Revolution.profile([(1.0, -1.0), (1.0, 1.0), (2.0, -0.5), (3.0, 2.0)]), "hull.points"),
         (lambda: Revolution.profile([(1.0, -3.0), (1.0, -2.0), (3.0, -2.5), (0.5, -2.5), (2.0, 1.0)]), "hull.points"),
