@@ -184,6 +184,16 @@ def skewed(factor: float) -> Iterator[str]:
         )
 
 
+def swings_up(floats: Sequence[Float], joint: int, height: float) -> str:
+    """Where one wave's response is left for one of twice its period, by a joint, in waves of a height [m] on."""
+    name, axis = [(f.name, axis) for f in floats for axis in f.motion][joint]
+    return (
+        f"floats.{name}: {axis} swings up at half the wave's frequency, as waves higher than about {height:.2g} m make"
+        " it, which no linear response has: rotation_effect is 1 for what is not known, and only a run in time tells"
+        ' how far (solver.method = "time")'
+    )
+
+
 def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) -> Iterator[str]:
     """A sentence for each axis whose motion or rate, met from `low` to `high` (2, nj), leaves the range in which the
     load of its power take-off is given, where that is not level at the range's end."""

@@ -17,24 +17,25 @@ of x² at sums of frequencies; that at differences 1 - 1/n.
 
 from collections.abc import Iterator
 from functools import lru_cache
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.equilibrium import balance
-from solver.coupled.linear import jacobian, of_waves
+from solver.coupled.linear import jacobian
 from solver.frequency import gaussian
 from solver.frequency.case import KNOWN, Case
 from solver.frequency.drag_effect import Effect
+from solver.frequency.exact import Lattice, Waves, beyond
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
-from solver.lines import real_by_complex, real_parts, some, squares
+from solver.frequency.subharmonics import growing
+from solver.lines import real_parts, some, squares
 from solver.multibody.joint_law import JointLaw
 from solver.record.probe import UNTOLD
 from solver.record.response import absorbs
 from solver.record.sampling import least_force
+from solver.remarks import swings_up
 from solver.statistics import FAINT
 
 STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
@@ -45,55 +46,8 @@ ROUNDING = 1e-10  # of the linear motions
 AGREED = 0.05  # last change of the harmonics, of what turning changes of them
 
 
-class _Lattice(NamedTuple):
-    """Of nw waves; nt instants."""
-
-    sums: np.ndarray  # m (nk, nw), none of them first
-    own: np.ndarray  # (nw,) which are the waves' own
-    phases: np.ndarray  # (nt, nk)
-    back: np.ndarray  # (nt, nk) from the instants to lines
-
-    @classmethod
-    def of(cls, steps: tuple[int, ...], order: int, instants: int) -> "_Lattice":
-        """All sums of an order at most, each or its negative."""
-        every = product(range(-order, order + 1), repeat=len(steps))
-        some = [m for m in every if 0 < sum(map(abs, m)) <= order and next(n for n in m if n) > 0]
-        sums = np.array([(0,) * len(steps), *some])
-        own = [some.index(tuple(row)) + 1 for row in np.eye(len(steps), dtype=int).tolist()]
-        phases = np.exp(-2j * np.pi * np.outer(np.arange(instants), sums @ steps) / instants)
-        share = np.where(sums.any(axis=1), 2.0, 1.0) / instants
-        return cls(sums, np.array(own), phases, share * phases.conj())
-
-    def at_instants(self, lines: np.ndarray) -> np.ndarray:
-        """(nt, n) of lines (nk, n)."""
-        return self.phases.real @ lines.real - self.phases.imag @ lines.imag
-
-    def lines(self, x: np.ndarray) -> np.ndarray:
-        """(nk, n) of what is so at the instants (nt, n)."""
-        return real_by_complex(x.T, self.back).T
-
-    def first(self, lines: np.ndarray) -> np.ndarray:
-        """(nk, …) of the waves' own (nw, …)."""
-        every = np.zeros((len(self.sums), *lines.shape[1:]), complex)
-        every[self.own] = lines
-        return every
-
-
-ONE = _Lattice.of((1,), 5, 24)  # ten harmonics change what is told by less than 1e-4 of it, up to 0.3 rad
-TWO = _Lattice.of((1, 7), 3, 25)
-
-
-class _Waves(NamedTuple):
-    """What stays from round to round; all by lines."""
-
-    lattice: _Lattice
-    more: np.ndarray  # (nk,) times what these lines show is what those make for which they stand
-    omega: np.ndarray  # m·ω (nk,); below zero the conjugate's
-    Y: np.ndarray  # (nk, na, na)
-    excitation: np.ndarray  # (nk, nb, 6)
-    force: np.ndarray  # on the floats' coordinates by that, at rest (nk, nz)
-    Z: np.ndarray  # dynamic stiffness (nk, n, n) without dampers
-    against: np.ndarray  # load against these (nk, nz, nz), of the linear model
+ONE = Lattice.of((1,), 5, 24)  # ten harmonics change what is told by less than 1e-4 of it, up to 0.3 rad
+TWO = Lattice.of((1, 7), 3, 25)
 
 
 class _Standing(NamedTuple):
@@ -120,7 +74,7 @@ class BelowWaves(NamedTuple):
 def turning_effect(
     case: Case, law: JointLaw, response: Response, frame: Forces, angles: np.ndarray, slow: BelowWaves
 ) -> Effect:
-    """What turning changes of a response; UNTOLD where no round agrees.
+    """What turning changes of a response; UNTOLD where no round agrees, or what does is left: see subharmonics.
 
     angles (nz,): which of the floats' coordinates turn one.
     """
@@ -135,7 +89,7 @@ def turning_effect(
     X, least, nearest, steps = linear, np.inf, 0, _Steps(length)
     for rounds in range(ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
-            load, wrench = _beyond(case, waves, X)
+            load, wrench = beyond(case, waves, X @ case.model.shape.T)
         found = linear.copy()
         found[0] += case.shift((load[0] @ onto[0]).real)
         found[1:] += (mobility @ load[1:, :, None])[..., 0]
@@ -145,6 +99,9 @@ def turning_effect(
         if not (change < GROWS * least or change <= ROUNDING * size) or rounds - nearest == IN_VAIN:
             break
         if change <= max(AGREED * whole, ROUNDING * size):  # of one hinge along its body's axes nothing else is left
+            if case.waves.size == 1 and (of := growing(case, response, found)) is not None:
+                height = 2 * float(np.abs(case.amplitude[0]))
+                return Effect(UNTOLD, 1.0, note=swings_up(case.system.scene.floats, of.joint, height / of.size))
             # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
             wrench = case.model.loads(omega, found - X, waves.Y, wrench)
             borne = response.wrench, lattice.first(standing.lines(response.wrench)), wrench
@@ -179,9 +136,7 @@ class _Steps:
         return np.asarray(found - np.tensordot(np.linalg.lstsq(ways.T, off)[0], gave, 1))
 
 
-def _extremes(
-    case: Case, waves: _Waves, of: _Standing, told: np.ndarray, usual: np.ndarray, exact: np.ndarray
-) -> float:
+def _extremes(case: Case, waves: Waves, of: _Standing, told: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> float:
     """Largest ones to be expected of joints' forces, lines `told` (nl, m), over those of Gaussian ones, as in a sea.
 
     More by γ(u - 1/u)/6 of skewness γ, and by the kurtosis, u σ Gaussian (Winterstein 1988); ⟨y₁²y₂⟩ of n equal waves
@@ -214,7 +169,7 @@ def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:
     return _Standing(place, np.sqrt(power.sum() / len(place) / power[place]), several)
 
 
-def _waves(case: Case, of: _Standing) -> _Waves:
+def _waves(case: Case, of: _Standing) -> Waves:
     lattice, (omega, Y, Z, against) = (ONE, TWO)[len(of.place) - 1], _linear(case, tuple(of.place.tolist()))
     n, waves = of.several, len(of.place)
     more = np.full(omega.size, (1 - 0.5 / n) / (1 - 0.5 / waves))
@@ -223,7 +178,7 @@ def _waves(case: Case, of: _Standing) -> _Waves:
     excitation = lattice.first(of.lines(case.excitation))
     at_rest = jacobian(case.system.resting.value[0], case.system.resting.value[2])
     force = excitation.reshape(omega.size, -1) @ at_rest.reshape(-1, at_rest.shape[-1])
-    return _Waves(lattice, more, omega, Y, excitation, force, Z, against)
+    return Waves(lattice, more, omega, Y, excitation, force, Z, against)
 
 
 @lru_cache(maxsize=KNOWN)
@@ -238,7 +193,7 @@ def _linear(case: Case, place: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray,
     return omega, Y, case.model.assembled(omega, against), against
 
 
-def _grown(waves: _Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> np.ndarray:
+def _grown(waves: Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> np.ndarray:
     """Squares (…) of a response (…), as its lines (nk, …) grow by exact ones in place of the usual."""
     own = waves.lattice.own
     was, grown = (squares(lines[own]).sum(axis=0) for lines in (usual, exact))
@@ -250,7 +205,7 @@ def _grown(waves: _Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray
 
 
 def _of_motions(
-    case: Case, law: JointLaw, waves: _Waves, response: Response, linear: np.ndarray, X: np.ndarray, slow: BelowWaves
+    case: Case, law: JointLaw, waves: Waves, response: Response, linear: np.ndarray, X: np.ndarray, slow: BelowWaves
 ) -> float:
     """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed."""
     rate = waves.omega[:, None]
@@ -266,7 +221,7 @@ def _of_motions(
     return float(np.abs(np.concatenate([std, power]) - 1).max(initial=0.0))
 
 
-def _of_forces(case: Case, waves: _Waves, forces: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> float:
+def _of_forces(case: Case, waves: Waves, forces: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> float:
     """The same of joints' forces (nl, nb, 3), but for those that count as zero."""
     square = squares(forces).sum(axis=0)
     return _changed(square, _grown(waves, square, usual, exact), 2 * least_force(case.system.scene) ** 2)
@@ -281,7 +236,7 @@ def _changed(square: np.ndarray, grown: np.ndarray, least: np.ndarray | float = 
 
 def _of_frame(
     case: Case,
-    waves: _Waves,
+    waves: Waves,
     frame: Forces,
     own: np.ndarray,
     further: np.ndarray,
@@ -308,7 +263,7 @@ def _of_frame(
     yield _changed(full, np.maximum(full + 2 * change, 0.0))
 
 
-def _carried(case: Case, waves: _Waves, load: np.ndarray, more: np.ndarray, further: np.ndarray) -> np.ndarray:
+def _carried(case: Case, waves: Waves, load: np.ndarray, more: np.ndarray, further: np.ndarray) -> np.ndarray:
     """On the carriers (nk, nc) by N (nk, nz), of which `more` (nk, n) makes the further motions (nk, n)."""
     model = case.model
     borne = load - (waves.against @ (further @ model.shape.T)[..., None])[..., 0]
@@ -316,24 +271,3 @@ def _carried(case: Case, waves: _Waves, load: np.ndarray, more: np.ndarray, furt
     freely = np.linalg.solve(model.mass, real_parts((load @ model.shape - more).T)).view(complex)
     borne -= (model.floats[2] @ (model.shape @ freely)).T
     return np.asarray(borne[:, : case.system.structure.carrier.shape[0]])
-
-
-def _beyond(case: Case, waves: _Waves, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """N (nk, nz) on the floats' coordinates, and all loads W on the floats (nk, nb, 6)."""
-    body, _, rest = case.system.resting.value
-    lattice, model, rate, Z = waves.lattice, case.model, -1j * waves.omega[:, None], X @ case.model.shape.T
-    z, dz, ddz = np.split(lattice.at_instants(np.concatenate([Z, rate * Z, rate**2 * Z], axis=1)), 3, axis=1)
-    at = balance(body, rest + z, dz, ddz)
-    lever, directions = of_waves(body, at, rest)
-    nt, nb, _, nz = lever.shape
-    lever = lever.reshape(nt, 6 * nb, nz)
-    V = lattice.lines((lever @ dz[..., None])[..., 0] @ model.along)
-    radiated = (waves.Y @ V[..., None])[..., 0]
-    water = lattice.at_instants(waves.excitation.reshape(len(V), 6 * nb) - radiated @ model.along.T)
-    load = at.load + (water[:, None] @ lever)[:, 0]
-    if body.turning:
-        water = (directions @ water.reshape(nt, nb, 6, 1)).reshape(nt, 6 * nb)
-    every = lattice.lines(np.concatenate([load, at.wrench.reshape(nt, 6 * nb) + water], axis=1))
-    more = every[:, :nz] + (waves.against @ Z[..., None])[..., 0] - waves.force
-    more[0] -= case.loads_at_rest[0]
-    return more, every[:, nz:].reshape(-1, nb, 6)

@@ -87,10 +87,11 @@ class Settling:
             off = np.nan_to_num(np.abs(first - last) / np.maximum(largest, 1e-300) * (largest > least))
             at = np.unravel_index(off.argmax(), off.shape)
             unit = JUDGED[name] or unit_along(channels.axes[at[-1]])
+            left = "what is left of the start is in all statistics; a longer discard takes it out"
+            grows = "it still grows, and a longer discard tells to what"
             sentence = (
                 f"{_of(channels, name, at)} is not periodic yet, its std {first[at]:.3g} {unit} in the record's first"
-                f" third and {last[at]:.3g} in its last: what is left of the start is in all statistics; a longer"
-                " discard takes it out"
+                f" third and {last[at]:.3g} in its last: {left if first[at] > last[at] else grows}"
             )
             yield float(off[at] - ENDS / min(part.count for part in parts)), sentence
 

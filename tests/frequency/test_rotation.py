@@ -10,7 +10,7 @@ from scipy.stats import skew
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import impedance_anywhere
 from solver.coupled.preparation import prepare
-from solver.frequency import gaussian, harmonics, rotation
+from solver.frequency import exact, gaussian, harmonics, rotation
 from solver.frequency.case import case_of
 from solver.frequency.outputs import frame_forces
 from solver.frequency.response import respond, respond_in
@@ -102,7 +102,7 @@ def test_a_load_that_speeds_a_float_up_freely_is_on_no_carrier():
     item, h = SCENES["unequal_legs"]()
     case = case_of(linear(item, method="frequency"), h)
     load = (case.model.floats[2] @ case.model.shape[:, -1] + 0j)[None]
-    none, still = np.zeros((1, len(case.model.mass))), harmonics._Waves(*[None] * 7, against=case.model.floats[:1])
+    none, still = np.zeros((1, len(case.model.mass))), exact.Waves(*[None] * 7, against=case.model.floats[:1])
     assert np.abs(load[0, :-1]).max() > 1.0
     assert harmonics._carried(case, still, load, none, none) == approx(0.0, abs=1e-9 * np.abs(load).max())
 

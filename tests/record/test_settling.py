@@ -44,6 +44,14 @@ def test_what_is_left_of_the_start_is_named_by_the_axis(buan):
     assert notes(scene, swinging(0.0)) == []
     (note,) = notes(scene, swinging(1.0))
     assert note.startswith("floats.rear: rotation is not periodic yet, its std 0.03")
+    assert note.endswith("what is left of the start is in all statistics; a longer discard takes it out")
+
+
+def test_what_grows_is_nothing_of_the_start(buan):
+    """As parametric resonance does."""
+    (note,) = notes(in_a_wave(buan), lambda t: swinging(0.1 * np.exp(t / 20), 0.6)(t))
+    assert note.startswith("floats.rear: rotation is not periodic yet") and "of the start" not in note
+    assert note.endswith("it still grows, and a longer discard tells to what")
 
 
 def test_whole_periods_are_compared(buan):

@@ -1,0 +1,127 @@
+"""Parametric resonance of arms in one wave: where it begins, against marches and closed forms."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from solver.frequency import subharmonics
+from solver.frequency.run import NO_BALANCE
+from solver.hydrodynamics.hull.box import box
+from solver.run import simulate
+from solver.scene import Float
+from solver.sea.realization import components, regular
+from solver.statistics import STATISTICS
+from tests.awkward import RHO, known, scene
+
+STD, FULL = STATISTICS.index("std"), 28.0  # length of the tether [m]
+
+
+@cache
+def tethered(size=FULL, turns=("pitch",), heading=0.0):
+    """A buoy under water on one taut tether from the seabed, a power take-off along it, that swings in some 16 s."""
+    s = size / FULL
+    hull, mass = box(length=8.8 * s, width=8.8 * s, height=5 * s, draft=8.5 * s), 2.4e5 * s**3
+    none = (0.0,) * len(turns)
+    item = Float(
+        name="buoy", hull=hull, mass=mass, inertia=(2.0e6 * s**5, 2.6e6 * s**5, 3.2e6 * s**5), cog=(0, 0, -6.4 * s),
+        hinge=(0, 0, -size), arm=(0, 0, size), motion=(*turns, "heave"), stiffness=(*none, 4e5 * s**2),
+        preload=(*none, -9.81 * (RHO * hull.volume - mass)), pto_damping=(*none, 2e5 * s**2.5),
+        damping=(*(1e7 * s**4.5 for _ in turns), 0.0),
+    )  # fmt: skip
+    time = np.sqrt(s)
+    waves = regular(height=0.1 * s, period=7.5 * time, heading=heading)
+    lasting = {"duration": 600 * time, "discard": 8000 * time, "ramp": 30 * time}
+    whole = scene([item], depth=30 * s, waves=waves, froude_krylov="linear", **lasting)
+    return whole, known(whole, 0.25 / time, 2.0 / time, 16)
+
+
+def in_waves(height, period=7.5, *, method="frequency", of=tethered, **given):
+    """Record in waves as high and long at full scale."""
+    item, h = of(**given)
+    s = given.get("size", FULL) / FULL
+    waves = regular(height=height * s, period=period * np.sqrt(s), heading=given.get("heading", 0.0))
+    return simulate(replace(item, sea=waves, settings=replace(item.settings, method=method)), h)
+
+
+def told(record):
+    """Whether it swings up, and the least height told [m], 0 if none."""
+    words = str(record.attrs.get("warnings", ""))
+    assert NO_BALANCE not in words
+    height = float(words.partition("waves higher than about ")[2].partition(" m ")[0] or 0.0)
+    assert (record.attrs["rotation_effect"] == 1.0) is (height > 0)
+    return height
+
+
+def angle(record):
+    return np.nanmax(np.hypot.reduce(record.variables["motion"][1][0, :-1, STD], axis=0))
+
+
+@pytest.mark.parametrize(
+    ("period", "begins", "given"),
+    [
+        (7.5, 1.385, {}),
+        (8.0, 0.955, {}),
+        (9.0, 1.76, {}),
+        (7.5, 1.385, {"size": FULL / 20}),
+        (7.5, 1.37, {"turns": ("roll", "pitch"), "heading": 0.6}),
+    ],
+)
+def test_it_begins_where_marches_leave_the_response(period, begins, given):
+    """By 4 % of the height; from half as high again within 10 %. In oblique waves nothing stays in a plane."""
+    for height, swings in ((0.96 * begins, False), (1.04 * begins, True)):
+        lines, march = (in_waves(height, period, method=method, **given) for method in ("frequency", "time"))
+        assert bool(angle(march) > 1.3 * angle(lines)) is bool(told(lines)) is swings
+    least = told(in_waves(1.5 * begins, period, **given)) / (given.get("size", FULL) / FULL)
+    assert least == approx(begins, rel=0.1)
+
+
+def test_far_from_twice_the_period_nothing_swings_up():
+    for period, height in ((6.0, 3.0), (5.0, 2.0), (12.0, 1.5)):
+        lines, march = (in_waves(height, period, method=method) for method in ("frequency", "time"))
+        assert not told(lines)
+        assert angle(march) == approx(angle(lines), rel=2 * lines.attrs["rotation_effect"])
+
+
+def test_it_names_the_axis_and_the_run_that_tells():
+    words = str(in_waves(1.5).attrs["warnings"])
+    assert "floats.buoy: pitch swings up at half the wave's frequency" in words and 'method = "time"' in words
+
+
+def test_more_damping_keeps_it_from_that():
+    item, h = tethered()
+    damped = replace(item, floats=(replace(item.floats[0], damping=(5e7, 0.0)),))
+    assert told(in_waves(1.5)) and not told(in_waves(1.5, of=lambda: (damped, h)))
+
+
+def test_a_sea_is_not_one_wave():
+    item, h = tethered()
+    waves = components(amplitude=np.full(2, 0.75), omega=np.array([0.8, 0.84]), phase=np.zeros(2))
+    record = simulate(replace(item, sea=waves, settings=replace(item.settings, method="frequency")), h)
+    assert not told(record)
+
+
+def test_mathieus_equation_grows_where_its_closed_form_says():
+    """Two coordinates turned into each other, of which one is damped too much; and two that are the same."""
+    g, d, h = 0.05, 0.02, 0.15  # about a frequency of 1, of unit inertia
+    Z = np.diag([d - 2j * g, d - 4j * g])
+    turn = np.array([[0.8, -0.6], [0.6, 0.8]])
+    B = np.linalg.solve(turn @ Z @ turn.T, h / 2 * np.eye(2))
+    square, ways = subharmonics.largest(B)
+    assert square == approx((h / 2) ** 2 / (d**2 + (2 * g) ** 2)) and abs(ways[1] / ways[0]) == approx(0.75)
+    same, _ = subharmonics.largest(h / 2 * np.diag(1 / Z[[0, 0], [0, 0]]))
+    assert same == approx(square)
+    apart, _ = subharmonics.largest(np.array([[0, h], [h * np.exp(2j), 0]]))  # one pushes on the other, not locked
+    assert apart == 0.0
+
+
+def test_further_lines_change_little(monkeypatch):
+    largest, sizes = subharmonics.largest, []
+    monkeypatch.setattr(subharmonics, "largest", lambda B: sizes.append(largest(B)[0]) or largest(B))
+    for odd in ([1], [1, 3], [1, 3, 5, 7, 9]):
+        monkeypatch.setattr(subharmonics, "ODD", np.array(odd))
+        in_waves(1.5)
+    first, usual, more = np.sqrt(sizes)
+    assert usual == approx(more, rel=1e-3) and first == approx(more, rel=0.05)
