@@ -16,7 +16,8 @@ eigenvalues μ² of B B*. As b is scaled from 0 up, it changes its sign where on
 a motion at ω/2 grows (Hill 1886). Of one coordinate, |b| ≥ |Z - a|; of Mathieu's ẍ + 2γẋ + (ω₀² + h cos ωt) x = 0 that
 is (h/2)² ≥ (ω₀² - ω²/4)² + (γω)². b goes with the wave's height H, so that H/μ is about where it begins.
 
-Dampers by the rate's square damp what grows half as much again as they damp X, which is left out.
+Dampers by the rate's square damp what grows half as much again as they damp X, which is left out; so are two shapes of
+other frequencies, whose sum is ω, and seas, whose groups of high waves may make a motion grow for a while.
 """
 
 from typing import NamedTuple
