@@ -184,11 +184,15 @@ def skewed(factor: float) -> Iterator[str]:
         )
 
 
-def swings_up(floats: Sequence[Float], joint: int, height: float) -> str:
-    """Where one wave's response is left for one of twice its period, by a joint, in waves of a height [m] on."""
-    name, axis = [(f.name, axis) for f in floats for axis in f.motion][joint]
+def swings_up(scene: Scene, joint: int, size: float) -> str:
+    """Where a response is left for one of twice the waves' period, by a joint, in waves over 1/size as high."""
+    name, axis = [(f.name, axis) for f in scene.floats for axis in f.motion][joint]
+    amplitude = np.abs(scene.sea.amplitude)
+    one, root = np.count_nonzero(amplitude) == 1, float(np.linalg.norm(amplitude))
+    height = (2 if one else np.sqrt(8)) * root / size
+    waves, what = ("wave's frequency", "waves") if one else ("waves' frequencies", "seas of a significant height")
     return (
-        f"floats.{name}: {axis} swings up at half the wave's frequency, as waves higher than about {height:.2g} m make"
+        f"floats.{name}: {axis} swings up at half the {waves}, as {what} above about {height:.2g} m make"
         " it, which no linear response has: rotation_effect is 1 for what is not known, and only a run in time tells"
         ' how far (solver.method = "time")'
     )

@@ -29,7 +29,7 @@ from solver.frequency.exact import Lattice, Waves, beyond
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
-from solver.frequency.subharmonics import growing
+from solver.frequency.subharmonics import Growing, growing, swelling
 from solver.lines import real_parts, some, squares
 from solver.multibody.joint_law import JointLaw
 from solver.record.probe import UNTOLD
@@ -99,9 +99,8 @@ def turning_effect(
         if not (change < GROWS * least or change <= ROUNDING * size) or rounds - nearest == IN_VAIN:
             break
         if change <= max(AGREED * whole, ROUNDING * size):  # of one hinge along its body's axes nothing else is left
-            if case.waves.size == 1 and (of := growing(case, response, found)) is not None:
-                height = 2 * float(np.abs(case.amplitude[0]))
-                return Effect(UNTOLD, 1.0, note=swings_up(case.system.scene.floats, of.joint, height / of.size))
+            if (of := _growing(case, response, found)) is not None:
+                return Effect(UNTOLD, 1.0, note=swings_up(case.system.scene, of.joint, of.size))
             # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
             wrench = case.model.loads(omega, found - X, waves.Y, wrench)
             borne = response.wrench, lattice.first(standing.lines(response.wrench)), wrench
@@ -117,6 +116,11 @@ def turning_effect(
             return Effect(error, _extremes(case, waves, standing, *each))
         X = steps.after(X, found)
     return Effect(UNTOLD, 1.0)
+
+
+def _growing(case: Case, response: Response, X: np.ndarray) -> Growing | None:
+    """What swings up beside a response, of harmonics X (nk, n) where it is one wave's."""
+    return growing(case, response, X) if case.waves.size == 1 else swelling(case, response)
 
 
 class _Steps:

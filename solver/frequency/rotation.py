@@ -29,9 +29,8 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.equilibrium import balance
-from solver.coupled.linear import KNOWN as MODELS
-from solver.coupled.linear import jacobian, of_waves
 from solver.coupled.system import Resting, known_differences
+from solver.frequency import second_order
 from solver.frequency.case import KNOWN, NARROW, Case
 from solver.frequency.catenaries import held, without_lines
 from solver.frequency.drag_effect import Effect
@@ -44,7 +43,6 @@ from solver.multibody.joint_law import JointLaw
 from solver.record.beside import LIGHTLY, below
 from solver.statistics import STATISTICS
 
-NEAR = 1e-3  # [m or rad, in a second and its square] from equilibrium, where slopes and curvatures are taken
 ROUNDING = 1e-12  # of the largest variance
 # Coordinates of floats, for all differences of frequencies and for resonances alone: the memory that curvatures of more
 # take goes with their cube.
@@ -52,14 +50,6 @@ CURVED, LARGEST = 48, 96
 MANY, BINS = 40, 12  # waves that stand for all of a sea, and frequencies for their differences
 HOLE = 0.5  # of what waves are apart: where their differences leave so much out, these are few
 REACH = 2.0  # standard deviations of a band of frequencies, each as wide as waves are apart
-
-
-class _Turning(NamedTuple):
-    """How the levers of W' change with nz coordinates."""
-
-    levers: np.ndarray  # ∂ᵢJ (nz, nb, 6, nz), of `of_waves`: they may turn with the bodies
-    directions: np.ndarray  # (nz, nb, 6, 6) of W'
-    angles: np.ndarray  # (nz,) which of them turn a float: loads on its lever, or those of its centre of gravity
 
 
 class _Swinging(NamedTuple):
@@ -84,7 +74,7 @@ class _Swinging(NamedTuple):
 
 def turned(case: Case, response: Response) -> Response:
     """With what it adds to the means; where no joint turns and no line holds, nothing."""
-    if not (_turning(case.system.resting).angles.any() or case.channels.lines):
+    if not (second_order.turning(case.system.resting).angles.any() or case.channels.lines):
         return response
     (x, wrench, carried), was = mean_shift(case, response), response.mean
     mean = was._replace(x=was.x + x, wrench=was.wrench + wrench, carried=was.carried + carried)
@@ -95,7 +85,7 @@ def mean_shift(case: Case, response: Response) -> tuple[np.ndarray, np.ndarray, 
     """Of the linear model's coordinates (n,) [m, rad, ...] and the loads on the floats (nb, 6) and, by them, on the
     carriers (nc,), without drag's."""
     model, resting, borne = case.model, case.system.resting, response.wrench
-    turning, states = _turning(resting), _states(response.omega, response.Z)
+    turning, states = second_order.turning(resting), second_order.states(response.omega, response.Z)
     nz, n = turning.angles.size, states.shape[1]
     together = covariance(states, np.concatenate([states, borne.reshape(len(borne), -1)], axis=1))
     load, wrench = _in_still_water(resting, together[:, :n])
@@ -123,9 +113,9 @@ def _in_still_water(resting: Resting, of_states: np.ndarray) -> tuple[np.ndarray
     variance, ways = np.linalg.eigh(of_states)
     used = variance > ROUNDING * variance.max(initial=0.0)
     body = without_lines(body)
-    sides = NEAR * np.concatenate([ways[:, used].T, -ways[:, used].T, np.zeros((1, len(ways)))])
+    sides = second_order.NEAR * np.concatenate([ways[:, used].T, -ways[:, used].T, np.zeros((1, len(ways)))])
     at, rate, acceleration = np.split(sides, 3, axis=-1)
-    half, n = variance[used] / (2 * NEAR**2), int(used.sum())
+    half, n = variance[used] / (2 * second_order.NEAR**2), int(used.sum())
     load, wrench, *_ = balance(body, z + at, rate, acceleration)
     of_load, of_wrench = (np.tensordot(half, f[:n] + f[n : 2 * n] - 2 * f[-1], 1) for f in (load, wrench))
     return of_load, of_wrench
@@ -135,7 +125,7 @@ def rotation_effect(
     case: Case, law: JointLaw, response: Response, frame: Forces, told: Mapping[str, np.ndarray]
 ) -> Effect:
     """What angles that are not small change, see harmonics, or what they drive below the waves; told: statistics."""
-    angles, free = _turning(case.system.resting).angles, np.full(case.system.resting.value[2].size, True)
+    angles, free = second_order.turning(case.system.resting).angles, np.full(case.system.resting.value[2].size, True)
     free[case.system.structure.carrier.shape[0] :] = ~response.stuck  # what friction holds moves by next to nothing
     if not response.Z[:, angles & free].any():
         return Effect(0.0, 1.0)
@@ -184,7 +174,7 @@ def below_the_waves(case: Case, response: Response) -> np.ndarray:
     if waves == 1:
         return np.zeros(len(model.mass))
     of, order = _slowly(case), np.argsort(case.waves)
-    power = squares(response.Z[:waves, _turning(resting).angles]).sum(axis=1)[order]
+    power = squares(response.Z[:waves, second_order.turning(resting).angles]).sum(axis=1)[order]
     power = np.maximum(power, ROUNDING * power.max())
     group = np.arange(waves)
     if waves > MANY:
@@ -200,9 +190,9 @@ def below_the_waves(case: Case, response: Response) -> np.ndarray:
     i, j = np.nonzero((weight > 0) & (apart > 0) & (apart < case.waves.min()))
     near = np.searchsorted(np.sqrt(of.omega[1:] * of.omega[:-1]), apart[i, j])
     X, z, wrench = (some(each, place, height) for each in (response.X, response.Z, response.wrench))
-    s, both = _states(omega, z), _both(resting)
+    s, both = second_order.states(omega, z), second_order.both(resting)
     half = real_by_complex(both.reshape(-1, both.shape[-1]), s.T).reshape(*both.shape[:2], omega.size)
-    half = half.swapaxes(1, 2) @ np.concatenate([_added(case, omega, X, wrench), s], axis=1).conj().T
+    half = half.swapaxes(1, 2) @ np.concatenate([second_order.added(case, omega, X, wrench), s], axis=1).conj().T
     load = 0.5 * np.sqrt(weight[i, j] / 2) * (half[:, i, j] + half[:, j, i].conj())
     square = np.array([part @ part.conj().T for part in (load[:, near == k] for k in range(of.omega.size))])
     receptance = np.linalg.solve(of.Z - 1j * of.omega[:, None, None] * response.damping, of.others)
@@ -225,18 +215,11 @@ def slow_motions(case: Case, response: Response, swinging: Iterable[tuple[_Swing
     swinging = list(swinging)
     if not swinging:
         return variance
-    added = _added(case, case.waves, response.X[:waves], response.wrench[:waves])
+    added = second_order.added(case, case.waves, response.X[:waves], response.wrench[:waves])
     for of, B in swinging:
         S = _spectrum(of, of.seen(B), case.waves, response.Z[:waves], added)
         variance += np.pi * S / (2 * B * of.omega**2) * of.shape**2
     return np.sqrt(variance)
-
-
-def _added(case: Case, omega: np.ndarray, X: np.ndarray, wrench: np.ndarray) -> np.ndarray:
-    """W' (nl, 6nb): loads (nl, nb, 6) at lines omega (nl,) less those in still water by motions X (nl, n)."""
-    rate = -1j * omega[:, None]
-    still = sum(rate**k * (X @ W.reshape(-1, X.shape[1]).T) for k, W in enumerate(case.model.wrench))
-    return np.asarray(wrench.reshape(len(X), -1) - still)
 
 
 def _spectrum(of: _Swinging, band: np.ndarray, omega: np.ndarray, z: np.ndarray, added: np.ndarray) -> float:
@@ -244,17 +227,11 @@ def _spectrum(of: _Swinging, band: np.ndarray, omega: np.ndarray, z: np.ndarray,
 
     f = ½ (z⋆b + b⋆z + s⋆Hs) of two waves' z, s and b = W' on levers, the second ones conjugate. added: W' (nw, 6nb).
     """
-    borne, states = added @ of.levers, _states(omega, z)
+    borne, states = added @ of.levers, second_order.states(omega, z)
     first = np.concatenate([z, borne, states @ of.curvature], axis=1).take(of.pairs[0], axis=0)
     second = np.concatenate([borne, z, states], axis=1).take(of.pairs[1], axis=0)
     f = 0.5 * np.vecdot(second, first)
     return float(0.5 * squares(f) @ band)
-
-
-def _states(omega: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """s (nl, 3nz) of lines z (nl, nz)."""
-    rate = -1j * omega[:, None]
-    return np.concatenate([z, rate * z, rate**2 * z], axis=1)
 
 
 @lru_cache(maxsize=KNOWN)
@@ -264,7 +241,7 @@ def _swinging(case: Case) -> tuple[_Swinging, ...]:
     if not (shapes.omega.size and case.system.scene.floats) or len(model.shape) > LARGEST:
         return ()
     resting, width, found = case.system.resting, np.ptp(omega) / (omega.size - 1), []
-    turns, curves = _turning(resting).levers, _curvature(resting)
+    turns, curves = second_order.turning(resting).levers, second_order.curvature(resting)
     order = np.argsort(omega)
     for own, shape, radiated in zip(shapes.omega, shapes.shapes, shapes.radiated, strict=True):
         along = model.shape @ shape
@@ -284,37 +261,3 @@ def _left_out(off: np.ndarray) -> bool:
     """Whether those (np,) next to zero on either side are far from each other."""
     above, below = (side[side >= 0].min(initial=np.inf) for side in (off, -off))
     return bool(above + below > HOLE)
-
-
-@lru_cache(maxsize=MODELS)
-def _turning(resting: Resting) -> _Turning:
-    """Scenes that differ in their seas and dampers alone share it."""
-    body, _, z = resting.value
-    steps = NEAR * np.eye(z.size)
-    sides = (of_waves(body, balance(body, z + way * steps), z) for way in (1, -1))
-    levers, directions = ((up - down) / (2 * NEAR) for up, down in zip(*sides, strict=True))
-    angles = np.any(jacobian(body, z)[:, 3:], axis=(0, 1))
-    return _Turning(levers, directions, angles)
-
-
-@lru_cache(maxsize=MODELS)
-def _curvature(resting: Resting) -> np.ndarray:
-    """∂ᵢ∂ⱼ(JᵀW)_k in still water (nz, 3nz, 3nz), k first."""
-    body, _, z = resting.value
-    ways = NEAR * np.eye(3 * z.size)
-    i, j = np.triu_indices(3 * z.size)
-    states = np.stack([ways[i] + ways[j], -ways[i] - ways[j], ways[i] - ways[j], ways[j] - ways[i]])
-    at, rate, acceleration = np.split(states, 3, axis=-1)
-    load = balance(body, z + at, rate, acceleration)[0]
-    curvature = np.empty((z.size, 3 * z.size, 3 * z.size))
-    curvature[:, i, j] = curvature[:, j, i] = (load[0] + load[1] - load[2] - load[3]).T / (2 * NEAR) ** 2
-    return curvature
-
-
-@lru_cache(maxsize=MODELS)
-def _both(resting: Resting) -> np.ndarray:
-    """Maps (nz, 6nb + 3nz, 3nz) of s to b and ½Hs of each load, which go with another wave's W' and s."""
-    levers, curvature = _turning(resting).levers, _curvature(resting)
-    nz = len(levers)
-    of_levers = np.pad(levers.reshape(nz, -1, nz).T, ((0, 0), (0, 0), (0, 2 * nz)))
-    return np.concatenate([of_levers, curvature / 2], axis=1)

@@ -1,4 +1,4 @@
-"""Whether one wave's response is left for one of twice its period: parametric resonance, which no harmonic shows.
+"""Whether a response is left for one of twice the waves' period: parametric resonance, which no harmonic shows.
 
 Loads on levers that turn, and all else of N (see harmonics), have a slope by z that varies with the wave: along a taut
 tether that is a pendulum's stiffness as the tether's load goes up and down. Beside the response X to a wave of ω,
@@ -16,32 +16,55 @@ eigenvalues μ² of B B*. As b is scaled from 0 up, it changes its sign where on
 a motion at ω/2 grows (Hill 1886). Of one coordinate, |b| ≥ |Z - a|; of Mathieu's ẍ + 2γẋ + (ω₀² + h cos ωt) x = 0 that
 is (h/2)² ≥ (ω₀² - ω²/4)² + (γω)². b goes with the wave's height H, so that H/μ is about where it begins.
 
+In a sea each wave k pushes a shape φ of frequency ω₀ that swings at half of its own by b_k ζ*, from slopes and
+curvatures of second order (see rotation), so that it would grow by itself where
+
+    μ_k = |b_k| / |φᵀ Z(ω_k/2) φ| ≥ 1.
+
+By all waves, which come and go in groups, its mean square grows where Σ μ_k² ≥ 1. With m damping the rate, γ, of a
+shape whose load has the spectrum S at 2ω₀ that is 4πγS m² ≥ 1 as Stratonovich (1963) averages, of a band wider than 4γ;
+of a narrower one that of one wave with the sea's variance. Far below, motions have 1/(1 - Σ μ_k²) of their resonance.
+
 Dampers by the rate's square damp what grows half as much again as they damp X, which is left out; so are two shapes of
-other frequencies, whose sum is ω, and seas, whose groups of high waves may make a motion grow for a while.
+other frequencies, whose sum is a wave's.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from solver.coupled.linear import jacobian
-from solver.frequency.case import Case
+from solver.frequency import second_order
+from solver.frequency.case import KNOWN, Case
 from solver.frequency.exact import Lattice, Waves, beyond
 from solver.frequency.response import Response
+from solver.lines import squares
 
 HALF = Lattice.of((1,), 11, 48)._replace(own=np.array([2]))  # of half the wave's frequency, as finely as one wave's
 ODD = np.array([1, 3])  # times that: five in place of these change μ by less than 1e-3
 NEAR = 1e-4  # [m or rad] of ζ: its cube is nothing there
 REAL = 1e-2  # imaginary part, of its size, that a μ² may have of rounding where two are the same
+BESIDE = 1.25  # times the waves' frequencies, or over it: there twice a shape's own may lie
 MOST = 48  # coordinates of floats: δN of each takes loads of its own
 
 
 class Growing(NamedTuple):
-    """What swings up at half the wave's frequency."""
+    """What swings up at half the waves' frequencies."""
 
     joint: int
-    size: float  # μ: the wave's height over that from which on it does so
+    size: float  # μ: waves' height over that from which on it does so
+
+
+class _Halved(NamedTuple):
+    """A shape φ (n,) that swings at half of each wave's frequency; nz coordinates of floats."""
+
+    shape: np.ndarray
+    Z: np.ndarray  # (nw,) φᵀZφ without dampers
+    levers: np.ndarray  # ∂ᵢJ φ (6nb, nz)
+    curvature: np.ndarray  # (3nz, 3nz)
+    with_wave: np.ndarray  # (nw, 5nz) conjugates of what goes with a wave's W', z and s
 
 
 def growing(case: Case, response: Response, X: np.ndarray) -> Growing | None:
@@ -56,8 +79,50 @@ def growing(case: Case, response: Response, X: np.ndarray) -> Growing | None:
     if square < 1.0:
         return None
     nc, nm = case.system.structure.carrier.shape
-    moved = np.abs(ways[nc : len(T)]) * case.model.length[nm:]
-    return Growing(int(np.argmax(moved)), float(np.sqrt(square)))
+    return Growing(_joint(case, np.append(np.zeros(nm), ways[nc : len(T)])), float(np.sqrt(square)))
+
+
+def swelling(case: Case, response: Response) -> Growing | None:
+    """Beside a response to a sea; None where nothing grows."""
+    waves, found = case.waves.size, None
+    if not (shapes := _halved(case)):
+        return found
+    z, X, wrench = response.Z[:waves], response.X[:waves], response.wrench[:waves]
+    s, added = second_order.states(case.waves, z), second_order.added(case, case.waves, X, wrench)
+    for of in shapes:
+        b = 0.5 * np.sum(np.concatenate([added @ of.levers, z, s @ of.curvature], axis=1) * of.with_wave, axis=1)
+        Z = of.Z - 0.5j * case.waves * (of.shape @ response.damping @ of.shape)
+        size = float(np.sqrt(np.sum(squares(b / Z))))
+        if size >= max(1.0, found.size if found else 0.0):
+            found = Growing(_joint(case, of.shape), size)
+    return found
+
+
+@lru_cache(maxsize=KNOWN)
+def _halved(case: Case) -> tuple[_Halved, ...]:
+    """Of shapes whose frequency is about half of a wave's; scenes that differ in their dampers alone share them."""
+    model, resting, omega, modes = case.model, case.system.resting, case.waves, case.modes
+    about = (2 * modes.omega * BESIDE > omega.min()) & (2 * modes.omega < BESIDE * omega.max())
+    if len(model.shape) > MOST or not about.any():
+        return ()
+    turns, curves, found = second_order.turning(resting).levers, second_order.curvature(resting), []
+    Y, none = case.impedance_at(omega / 2), np.zeros((omega.size, len(case.system.scene.floats), 6), complex)
+    stiffness = model.dynamic_stiffness(omega / 2, Y)
+    for shape in modes.shapes[:, about].T:
+        along, X = model.shape @ shape, np.tile(shape.astype(complex), (omega.size, 1))
+        z = X @ model.shape.T
+        levers = (turns @ along).reshape(along.size, -1).T
+        borne = second_order.added(case, omega / 2, X, model.loads(omega / 2, X, Y, none)) @ levers
+        with_wave = np.concatenate([z, borne, second_order.states(omega / 2, z)], axis=1).conj()
+        Z = np.einsum("i,wij,j->w", shape, stiffness, shape)
+        found.append(_Halved(shape, Z, levers, np.tensordot(along, curves, 1), with_wave))
+    return tuple(found)
+
+
+def _joint(case: Case, shape: np.ndarray) -> int:
+    """Which of the joints moves most in a shape (n,)."""
+    nm = case.model.modes.shape[1]
+    return int(np.argmax(np.abs(shape[nm:]) * case.model.length[nm:]))
 
 
 def largest(B: np.ndarray) -> tuple[float, np.ndarray]:

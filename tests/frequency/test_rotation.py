@@ -10,7 +10,7 @@ from scipy.stats import skew
 from solver.coupled.equilibrium import balance
 from solver.coupled.linear import impedance_anywhere
 from solver.coupled.preparation import prepare
-from solver.frequency import exact, gaussian, harmonics, rotation
+from solver.frequency import exact, gaussian, harmonics, rotation, second_order
 from solver.frequency.case import case_of
 from solver.frequency.outputs import frame_forces
 from solver.frequency.response import respond, respond_in
@@ -425,7 +425,7 @@ def test_the_load_of_two_waves_is_what_the_assembled_loads_make_of_their_motions
     still = sum(np.einsum("wn,bdn->wbd", rate**k * X, slope) for k, slope in enumerate(model.wrench))
     alone = swinging._replace(pairs=np.array([[1], [0]]))
     told = rotation._spectrum(
-        alone, np.ones(1), case.waves, X @ model.shape.T, rotation._added(case, case.waves, X, still)
+        alone, np.ones(1), case.waves, X @ model.shape.T, second_order.added(case, case.waves, X, still)
     )
     t = np.arange(400) * 4 * np.pi / 400  # two turns of one wave and three of the other
     s = [(np.exp(np.outer(t, rate[:, 0])) @ (rate**k * X @ model.shape.T)).real for k in range(3)]
@@ -442,12 +442,15 @@ def test_pairs_of_waves_move_what_their_loads_of_second_order_do():
     item = linear(replace(item, sea=waves), method="frequency")
     case, found = case_of(item, h), respond(item, h)
     of, body = rotation._slowly(case), case.system.resting
-    s, W = rotation._states(case.waves, found.Z[:3]), rotation._added(case, case.waves, found.X[:3], found.wrench[:3])
-    levers = rotation._turning(body).levers.reshape(found.Z.shape[1], -1, found.Z.shape[1])
+    s, W = (
+        second_order.states(case.waves, found.Z[:3]),
+        second_order.added(case, case.waves, found.X[:3], found.wrench[:3]),
+    )
+    levers = second_order.turning(body).levers.reshape(found.Z.shape[1], -1, found.Z.shape[1])
     expected = 0.0
     for i, j in ((1, 0), (2, 0), (2, 1)):
         ways = (np.einsum("i,iwk,w->k", found.Z[a], levers, W[b].conj()) for a, b in ((i, j), (j, i)))
-        f = 0.5 * (next(ways) + next(ways).conj() + rotation._curvature(body) @ s[j].conj() @ s[i])
+        f = 0.5 * (next(ways) + next(ways).conj() + second_order.curvature(body) @ s[j].conj() @ s[i])
         k = np.argmin(np.abs(np.log(of.omega / (case.waves[i] - case.waves[j]))))
         Z = of.Z[k] - 1j * of.omega[k] * found.damping
         expected += 0.5 * np.abs(np.linalg.solve(Z, of.others @ f)) ** 2

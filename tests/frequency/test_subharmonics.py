@@ -12,7 +12,8 @@ from solver.frequency.run import NO_BALANCE
 from solver.hydrodynamics.hull.box import box
 from solver.run import simulate
 from solver.scene import Float
-from solver.sea.realization import components, regular
+from solver.sea.realization import components, realize, regular
+from solver.sea.spectrum import Jonswap
 from solver.statistics import STATISTICS
 from tests.awkward import RHO, known, scene
 
@@ -50,7 +51,7 @@ def told(record):
     """Whether it swings up, and the least height told [m], 0 if none."""
     words = str(record.attrs.get("warnings", ""))
     assert NO_BALANCE not in words
-    height = float(words.partition("waves higher than about ")[2].partition(" m ")[0] or 0.0)
+    height = float(words.partition(" above about ")[2].partition(" m ")[0] or 0.0)
     assert (record.attrs["rotation_effect"] == 1.0) is (height > 0)
     return height
 
@@ -96,11 +97,48 @@ def test_more_damping_keeps_it_from_that():
     assert told(in_waves(1.5)) and not told(in_waves(1.5, of=lambda: (damped, h)))
 
 
-def test_a_sea_is_not_one_wave():
+def in_seas(Hs, gamma, *, size=FULL, count=150):
+    """Records of one sea by lines and by a march."""
+    item, h = tethered(size)
+    s = size / FULL
+    waves = Jonswap(Hs=Hs * s, Tp=8 * np.sqrt(s), gamma=gamma)
+    waves = realize(waves, components=count, band=(0.4 / np.sqrt(s), 1.8 / np.sqrt(s)), seed=2)
+    lasting = replace(item.settings, duration=3600 * np.sqrt(s), discard=1200 * np.sqrt(s))
+    scenes = (replace(item, sea=waves, settings=replace(lasting, method=m)) for m in ("frequency", "time"))
+    return [simulate(each, h) for each in scenes]
+
+
+@pytest.mark.parametrize(("gamma", "begins"), [(1.0, 2.7), (3.3, 2.1), (7.0, 1.9)])
+def test_in_seas_it_begins_where_marches_have_much_more(gamma, begins):
+    """From a fifth above the height told on by over a third; a fifth below it, what is told holds as ever."""
+    for Hs, swings in ((0.8 * begins, False), (1.2 * begins, True)):
+        lines, march = in_seas(Hs, gamma)
+        more = angle(march) / angle(lines) - 1
+        assert bool(told(lines)) is swings
+        if swings:
+            assert more > 0.35 and told(lines) == approx(begins, rel=0.04)
+        else:
+            assert more < 3 * lines.attrs["rotation_effect"]
+
+
+def test_in_seas_a_model_tells_the_same():
+    lines, _ = in_seas(2.5, 3.3, size=FULL / 20)
+    assert 20 * told(lines) == approx(2.1, rel=0.04)
+    assert "swings up at half the waves' frequencies, as seas of a significant height" in lines.attrs["warnings"]
+
+
+def test_two_waves_are_a_sea_and_one_split_in_two_is_one():
+    """Each with half of the sum's square: μ² adds up. A third wave far off is no part of it."""
     item, h = tethered()
-    waves = components(amplitude=np.full(2, 0.75), omega=np.array([0.8, 0.84]), phase=np.zeros(2))
-    record = simulate(replace(item, sea=waves, settings=replace(item.settings, method="frequency")), h)
-    assert not told(record)
+
+    def least(omega, amplitude):
+        waves = components(amplitude=np.array(amplitude), omega=np.array(omega), phase=np.zeros(len(omega)))
+        record = simulate(replace(item, sea=waves, settings=replace(item.settings, method="frequency")), h)
+        return told(record) / (4 * np.sqrt(0.5 * np.dot(amplitude, amplitude)))
+
+    one = told(in_waves(1.5, 2 * np.pi / 0.8)) / 1.5
+    assert least([0.8, 0.8001], np.full(2, 0.75 / np.sqrt(2))) == approx(one, rel=0.05)
+    assert least([0.8, 0.8001, 1.6], [0.6, 0.6, 0.01]) == approx(least([0.8, 0.8001], [0.6, 0.6]), rel=1e-3)
 
 
 def test_mathieus_equation_grows_where_its_closed_form_says():
