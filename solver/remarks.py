@@ -9,7 +9,7 @@ from solver.hydrodynamics.hull.swing import inside
 from solver.mooring import line_pulls
 from solver.scene import DOFS, Float, Scene, load_unit_along, unit_along
 from solver.sea.field import wave_field
-from solver.statistics import STATISTICS, of_joints
+from solver.statistics import FAINT, STATISTICS, of_joints
 
 STEEP = 1.2  # factor by which extremes may exceed those of Gaussian responses
 RINGS = 0.2  # share of a variance by what rings between the waves
@@ -98,11 +98,11 @@ def shoved(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray], 
     if "motion" not in tables or scene.current is not None or not scene.sea.amplitude.any():
         return
     mean, std = (tables["motion"][..., STATISTICS.index(name)] for name in ("mean", "std"))
-    rest = iter(joints)
+    rest, least = iter(joints), FAINT**2 * float(np.abs(scene.sea.amplitude).sum())
     for b, (f, nonlinear) in enumerate(zip(scene.floats, scene.nonlinear, strict=True)):
         for axis, at in zip(f.motion, rest, strict=False):
-            off = mean[b, axes.index(axis)] - at
-            if nonlinear and axis in DOFS[:2] and abs(off) > SHOVED * std[b, axes.index(axis)]:
+            off, size = mean[b, axes.index(axis)] - at, std[b, axes.index(axis)]
+            if nonlinear and axis in DOFS[:2] and abs(off) > max(SHOVED * size, least):
                 yield (
                     f"floats.{f.name}: its mean {axis}, {off:.2g} m from rest, is by the incident waves' pressure on"
                     " the wet hull, without that of second order of the waves it sends out, and may be several times"

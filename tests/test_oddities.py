@@ -339,20 +339,22 @@ def test_more_than_critical_damping_is_told_before_and_by_the_record(ratio, told
 
 
 @pytest.mark.parametrize(
-    ("froude_krylov", "rest", "mean", "told"),
+    ("froude_krylov", "rest", "mean", "std", "told"),
     [
-        ("body-nonlinear", 0.0, 0.2, True), ("linear", 0.0, 0.2, False), ("body-nonlinear", 9.0, 9.0, False),
-        ("body-nonlinear", 9.0, 9.2, True),
+        ("body-nonlinear", 0.0, 0.2, 1.0, True), ("linear", 0.0, 0.2, 1.0, False),
+        ("body-nonlinear", 9.0, 9.0, 1.0, False), ("body-nonlinear", 9.0, 9.2, 1.0, True),
+        ("body-nonlinear", 0.0, 1e-16, 1e-17, False),
     ],
 )  # fmt: skip
-def test_a_mean_that_the_incident_waves_alone_make_is_told(froude_krylov, rest, mean, told):
-    """From where a pull keeps it, not by that; nor of pressure that is linear and has none."""
+def test_a_mean_that_the_incident_waves_alone_make_is_told(froude_krylov, rest, mean, std, told):
+    """From where a pull keeps it, not by that; nor of pressure that is linear and has none, nor rounding."""
     item, _ = soft_mooring()
     item = replace(item, settings=replace(item.settings, froude_krylov=froude_krylov))
     table = np.zeros((1, 3, 5))
-    table[..., STATISTICS.index("std")], table[:, 0, STATISTICS.index("mean")] = 1.0, mean
+    table[..., STATISTICS.index("std")], table[:, 0, STATISTICS.index("mean")] = std, mean
     said = "; ".join(shoved(item, ["surge", "heave", "pitch"], {"motion": table}, np.array([rest, 0.0, 0.0])))
     assert ("floats.barge: its mean surge, 0.2 m from rest, is by the incident waves' pressure" in said) == told
+    assert bool(said) == told
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,10 @@ def height(sea: SeaState) -> float:
             columns.require_rising(sea.file, "omega", omega)
             variance = np.trapezoid(density, omega)
         case Components():
-            variance = np.sum(columns.read(sea.file, ("amplitude",))["amplitude"] ** 2) / 2
+            amplitude, omega, phase = columns.read(sea.file, ("amplitude", "omega", "phase")).values()
+            _, of = np.unique(omega, return_inverse=True)  # waves of one frequency are one wave
+            waves = np.bincount(of, amplitude * np.cos(phase)), np.bincount(of, amplitude * np.sin(phase))
+            variance = np.sum(np.square(waves)) / 2
         case Elevation():
             variance = np.var(columns.read(sea.file, ("elevation",))["elevation"])
         case _:

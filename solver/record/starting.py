@@ -44,6 +44,7 @@ TURNS = 0.5  # rad of a shape's own swing in a run: less is a drift, by next to 
 FAST = 4.0  # times the fastest wave's frequency: waves that set in swing nothing faster
 OFTEN = 20  # instants of a ramp, in the shortest period
 AT_ONCE = 1_000_000  # of them times waves: a long ramp of many has a hundred times as many
+ROUNDING = 1e-9  # of a frequency: less damping is none
 WIDTHS = 2.0  # of a resonance, B, to either side, which have 84 % of it
 
 
@@ -117,7 +118,8 @@ def left_over(system: System, h: Hydrodynamics | None) -> Iterator[str]:
     k, j = np.unravel_index(share.argmax(), share.shape)
     std = np.sqrt(1 + share[k, j]) - 1
     if std > LEFT:
-        ends = of.enough(int(k), s.ramp + since, share[k, j]) if of.B[k] > 0 else "nothing damps it"
+        damped = of.B[k] > ROUNDING * of.own[k]
+        ends = of.enough(int(k), s.ramp + since, share[k, j]) if damped else "nothing damps it"
         above = f"by the linear response a std is some {std:.1%} above a lasting sea's"
         yield f"{of.said(k)} still swings as the start made it: {above}; {ends}"
 

@@ -123,7 +123,7 @@ def test_in_seas_it_begins_where_marches_have_much_more(gamma, begins):
 
 def test_in_seas_a_model_tells_the_same():
     lines, _ = in_seas(2.5, 3.3, size=FULL / 20)
-    assert 20 * told(lines) == approx(2.1, rel=0.04)
+    assert 20 * told(lines) == approx(2.1, rel=0.06)  # two digits
     assert "swings up at half the waves' frequencies, as seas of a significant height" in lines.attrs["warnings"]
 
 

@@ -108,6 +108,13 @@ def test_nothing_is_said_of_a_start_in_still_water_nor_of_what_is_damped():
         assert not list(left_over(system, h))
 
 
+def test_a_shape_that_rounding_alone_damps_is_damped_by_nothing():
+    item, h = spar(1e-9, radiation=False)
+    few = components(amplitude=np.full(1, 0.2), omega=np.array([0.75]), phase=np.zeros(1))
+    (note,) = left_over(prepare(replace(item, sea=few), h), h)
+    assert note.endswith("; nothing damps it")
+
+
 HELD = [
     {"latch_load": 1e9},
     {"latch_load": 50.0},

@@ -158,6 +158,18 @@ def test_what_holds_in_high_seas_does_in_those_from_files(study_with, kind, heig
         study_with(f'{{ kind = "{kind}", file = "x.csv" }}\n[survival]\nHs = 9.0\n{brake}')
 
 
+@pytest.mark.parametrize(("phase", "height"), [(0.0, 0.3), (np.pi, 0.1), (np.pi / 2, np.hypot(0.1, 0.2))])
+def test_lines_of_one_frequency_are_one_wave_of_a_sea_that_decides(study_with, phase, height):
+    sea, brake = '{ kind = "components", file = "x.csv" }', '"floats.only.coulomb" = 1e9'
+    rows = f"omega, amplitude, phase\n1.0, 0.1, 0.0\n2.0, 0.05, 0.0\n1.0, 0.2, {phase}\n"
+    whole = 4 * np.sqrt((height**2 + 0.05**2) / 2)
+    for above, locked in ((0.999 * whole, 1e9), (1.001 * whole, 0.0)):
+        higher = f"high = {{ Hs = 9.0, Tp = 8.0 }}\n[survival]\nHs = {above}\n{brake}"
+        tasks = {t.labels["sea_state"]: t for t in study_with(f"{sea}\n{higher}", x=rows).tasks}
+        assert tasks["only"].parameters.floats[0].coulomb == locked
+        assert scenes.sea(tasks["only"].parameters).parameters()["Hm0"] == approx(whole)
+
+
 @pytest.mark.parametrize("rows", ["2,0\n1,3\n0.5,0\n", "0.5,1\n1,1\n0.2,1\n", "1,2\n1,2\n"])
 def test_beside_high_seas_a_spectrum_is_refused_for_its_frequencies(study_with, rows):
     """They must rise; how high a sea that is not one would be, nobody is told."""
