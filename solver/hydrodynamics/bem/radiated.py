@@ -208,7 +208,10 @@ def infinite(
     if scatter[i, j] > TOGETHER:
         text = f"added mass and damping of {word(names, i)} on {word(names, j)} do not go together (off causality by"
         raise InputError(
-            KEY, six.name, f"{text} {scatter[i, j]:.0%}); do their units agree, or are frequencies too far apart?"
+            KEY,
+            six.name,
+            f"{text} {scatter[i, j]:.0%}); do their units agree, or are frequencies too far apart,"
+            " as where water rings in a gap or well?",
         )
     told = six.added_mass_inf
     # Some programs put the highest frequency's in its place.
