@@ -413,7 +413,6 @@ def test_what_only_slides_has_none():
     assert record.attrs["rotation_effect"] < 1e-9
 
 
-@pytest.mark.slow
 def test_the_load_of_two_waves_is_what_the_assembled_loads_make_of_their_motions(spar):
     """At the difference of their frequencies, without what waves add: the even part of the loads, sampled in time."""
     item, h = spar
