@@ -66,6 +66,11 @@ class _Halved(NamedTuple):
     curvature: np.ndarray  # (3nz, 3nz)
     with_wave: np.ndarray  # (nw, 5nz) conjugates of what goes with a wave's W', z and s
 
+    def pushed(self, z: np.ndarray, s: np.ndarray, added: np.ndarray) -> np.ndarray:
+        """b (nw,) by waves' z (nw, nz), s (nw, 3nz) and W' (nw, 6nb)."""
+        by_waves = np.concatenate([added @ self.levers, z, s @ self.curvature], axis=1)
+        return np.asarray(0.5 * np.sum(by_waves * self.with_wave, axis=1))
+
 
 def growing(case: Case, response: Response, X: np.ndarray) -> Growing | None:
     """Beside a response of harmonics X (nk, n) to one wave; None where nothing grows."""
@@ -90,7 +95,7 @@ def swelling(case: Case, response: Response) -> Growing | None:
     z, X, wrench = response.Z[:waves], response.X[:waves], response.wrench[:waves]
     s, added = second_order.states(case.waves, z), second_order.added(case, case.waves, X, wrench)
     for of in shapes:
-        b = 0.5 * np.sum(np.concatenate([added @ of.levers, z, s @ of.curvature], axis=1) * of.with_wave, axis=1)
+        b = of.pushed(z, s, added)
         Z = of.Z - 0.5j * case.waves * (of.shape @ response.damping @ of.shape)
         size = float(np.sqrt(np.sum(squares(b / Z))))
         if size >= max(1.0, found.size if found else 0.0):

@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from solver.frequency import subharmonics
+from solver.frequency import second_order, subharmonics
+from solver.frequency.case import case_of
+from solver.frequency.harmonics import ONE
+from solver.frequency.response import respond
 from solver.frequency.run import NO_BALANCE
 from solver.hydrodynamics.hull.box import box
 from solver.run import simulate
@@ -15,7 +18,7 @@ from solver.scene import Float
 from solver.sea.realization import components, realize, regular
 from solver.sea.spectrum import Jonswap
 from solver.statistics import STATISTICS
-from tests.awkward import RHO, known, scene
+from tests.awkward import RHO, SCENES, known, scene
 
 STD, FULL = STATISTICS.index("std"), 28.0  # length of the tether [m]
 
@@ -139,6 +142,20 @@ def test_two_waves_are_a_sea_and_one_split_in_two_is_one():
     one = told(in_waves(1.5, 2 * np.pi / 0.8)) / 1.5
     assert least([0.8, 0.8001], np.full(2, 0.75 / np.sqrt(2))) == approx(one, rel=0.05)
     assert least([0.8, 0.8001, 1.6], [0.6, 0.6, 0.01]) == approx(least([0.8, 0.8001], [0.6, 0.6]), rel=1e-3)
+
+
+def test_what_a_wave_makes_of_a_shape_is_the_slope_of_the_exact_loads(monkeypatch):
+    """Of a duck in one small wave, where all three parts count."""
+    item, h = SCENES["duck"]()
+    waves = regular(height=1e-3, period=4.0)
+    monkeypatch.setattr(subharmonics, "BESIDE", 1e3)
+    item = replace(item, sea=waves, settings=replace(item.settings, method="frequency", froude_krylov="linear"))
+    case, found = case_of(item, h), respond(item, h)
+    (of,) = subharmonics._halved(case)
+    s, added = second_order.states(case.waves, found.Z), second_order.added(case, case.waves, found.X, found.wrench)
+    _, b = subharmonics._slopes(case, subharmonics._waves(case), ONE.first(found.X))
+    along = case.model.shape @ of.shape
+    assert of.pushed(found.Z, s, added) == approx(along @ b[: along.size, : along.size] @ along, rel=0.01)
 
 
 def test_mathieus_equation_grows_where_its_closed_form_says():
