@@ -145,7 +145,7 @@ def test_two_waves_are_a_sea_and_one_split_in_two_is_one():
 
 
 def test_what_a_wave_makes_of_a_shape_is_the_slope_of_the_exact_loads(monkeypatch):
-    """Of a duck in one small wave, where all three parts count."""
+    """Of a duck in one small wave, where all three parts count; what velocities of second order radiate is left out."""
     item, h = SCENES["duck"]()
     waves = regular(height=1e-3, period=4.0)
     monkeypatch.setattr(subharmonics, "BESIDE", 1e3)
@@ -155,7 +155,7 @@ def test_what_a_wave_makes_of_a_shape_is_the_slope_of_the_exact_loads(monkeypatc
     s, added = second_order.states(case.waves, found.Z), second_order.added(case, case.waves, found.X, found.wrench)
     _, b = subharmonics._slopes(case, subharmonics._waves(case), ONE.first(found.X))
     along = case.model.shape @ of.shape
-    assert of.pushed(found.Z, s, added) == approx(along @ b[: along.size, : along.size] @ along, rel=0.01)
+    assert of.pushed(found.Z, s, added) == approx(along @ b[: along.size, : along.size] @ along, rel=5e-3)
 
 
 def test_mathieus_equation_grows_where_its_closed_form_says():
