@@ -27,7 +27,15 @@ from solver.record.channels import Channels
 from solver.record.effects import coefficient_effects, memory_effect, shapes_effect, step_effect, together
 from solver.record.elements import elements_effect
 from solver.record.recorder import Recorder
-from solver.record.sampling import at_ends, between_samples, expected_error, from_start, least_force, of_every_other
+from solver.record.sampling import (
+    LAST,
+    at_ends,
+    between_samples,
+    expected_error,
+    from_start,
+    least_force,
+    of_every_other,
+)
 from solver.scene import Scene
 from solver.statistics import FAINT, apart, moments
 
@@ -249,7 +257,9 @@ def ends_error(system: System, short: Scene, samples: Mapping[str, np.ndarray]) 
         return statistics_error(system, short, lambda x, least, _: at_ends(x, least, share), samples)
     settings = replace(short.settings, duration=short.settings.duration * (1 - skipped / count))
     rest = {name: x[skipped:] for name, x in samples.items()}
-    return statistics_error(system, replace(short, settings=settings), partial(at_ends, begins=True), rest)
+    # Past its ramp a sea goes on as all of it; what decays, or comes in, as its end.
+    last = 1.0 if np.count_nonzero(system.scene.sea.amplitude) > 1 and s.discard >= s.ramp else LAST
+    return statistics_error(system, replace(short, settings=settings), partial(at_ends, begins=True, last=last), rest)
 
 
 def _of_whole_periods(system: System, gap: float) -> bool:

@@ -24,6 +24,7 @@ class Cuts(NamedTuple):
 
 Cut = Mapping[str, Cuts]
 ROUNDING = 1e-12  # of the waves' heights
+LAST = 0.25  # share of samples, by the last of which goes on what decays or comes in
 
 
 def least_force(scene: Scene) -> np.ndarray:
@@ -72,14 +73,20 @@ def from_start(samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray
 
 
 def at_ends(
-    samples: Mapping[str, np.ndarray], least: Mapping[str, np.ndarray], longer: float, *, begins: bool = False
+    samples: Mapping[str, np.ndarray],
+    least: Mapping[str, np.ndarray],
+    longer: float,
+    *,
+    begins: bool = False,
+    last: float = LAST,
 ) -> float:
     """The same of a record whose first and last sample count in full, and might anywhere lie.
 
     Means of v over a time T by samples h apart err by h/2 (v(0) + v(T) - 2v̄)/T, as a rule by h/T ⟨|v - v̄|⟩/2^½.
-    begins: the record does so with these samples, which tell v(0); v(T), and all that follows: see `_of_record`.
+    begins: the record does so with these samples, which tell v(0); v(T), and all that follows, by the last share of
+    them: see `_of_record`.
     """
-    return max(_at_ends(x, least.get(name, np.zeros(())), longer, begins) for name, x in samples.items())
+    return max(_at_ends(x, least.get(name, np.zeros(())), longer, begins, last) for name, x in samples.items())
 
 
 def of_every_other(samples: Mapping[str, np.ndarray], cut: Cut, coarse: Cut) -> dict[str, Cuts]:
@@ -133,42 +140,42 @@ def _from_start(x: np.ndarray, least: np.ndarray, longer: float) -> float:
 
     v(0): by the line through the first two; v(T), and all that follows these samples: see `_of_record`.
     """
-    mean, powers, _, sizes = _in_record(x, least, longer)
+    mean, powers, _, sizes = _in_record(x, least, longer, LAST)
     first = _powers(2 * x[:1] - x[1:2] if len(x) > 1 else x, mean)
-    errors = np.array([np.abs(_end(v) - v0[0]) for v, v0 in zip(powers, first, strict=True)])
+    errors = np.array([np.abs(_end(v, LAST) - v0[0]) for v, v0 in zip(powers, first, strict=True)])
     return _largest(errors / sizes / (2 * longer * len(x)))
 
 
-def _at_ends(x: np.ndarray, least: np.ndarray, longer: float, begins: bool) -> float:
+def _at_ends(x: np.ndarray, least: np.ndarray, longer: float, begins: bool, last: float) -> float:
     with np.errstate(divide="ignore", invalid="ignore"):
         mean, sizes = _sizes(x, x, least)
         usual = np.array([np.abs(v - v.mean(axis=0)).mean(axis=0) for v in _powers(x, mean)])
         largest = _largest(usual / sizes / (np.sqrt(2) * longer * len(x)))
         if begins:
-            _, powers, means, sizes = _in_record(x, least, longer)
-            errors = np.array([np.abs(v[0] + _end(v) - 2 * m) for v, m in zip(powers, means, strict=True)])
+            _, powers, means, sizes = _in_record(x, least, longer, last)
+            errors = np.array([np.abs(v[0] + _end(v, last) - 2 * m) for v, m in zip(powers, means, strict=True)])
             largest = max(largest, _largest(errors / sizes / (2 * longer * len(x))))
     return largest
 
 
-def _end(v: np.ndarray) -> np.ndarray:
-    """v(T) (n,) of samples (m, n), and of all that follows them: the mean of their last quarter."""
-    return np.asarray(v[3 * len(v) // 4 :].mean(axis=0))
+def _end(v: np.ndarray, last: float) -> np.ndarray:
+    """v(T) (n,) of samples (m, n), and of all that follows them: the mean of the last share of them."""
+    return np.asarray(v[int(len(v) * (1 - last)) :].mean(axis=0))
 
 
-def _of_record(v: np.ndarray, longer: float) -> np.ndarray:
+def _of_record(v: np.ndarray, longer: float, last: float) -> np.ndarray:
     """Means (n,) over a record `longer` times as long as samples (m, n) at its start."""
-    return np.asarray((v.mean(axis=0) + (longer - 1) * _end(v)) / longer)
+    return np.asarray((v.mean(axis=0) + (longer - 1) * _end(v, last)) / longer)
 
 
 def _in_record(
-    x: np.ndarray, least: np.ndarray, longer: float
+    x: np.ndarray, least: np.ndarray, longer: float, last: float
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray], np.ndarray]:
     """Mean (n,) of a record that begins with these samples, their `_powers` about it, means of these there, and what
     differences of them are to be divided by, as `_sizes` has it."""
-    mean = _of_record(x.reshape(len(x), -1), longer)
+    mean = _of_record(x.reshape(len(x), -1), longer, last)
     powers = _powers(x, mean)
-    means = [_of_record(v, longer) for v in powers]
+    means = [_of_record(v, longer, last) for v in powers]
     rms, std = np.sqrt(means[1]), np.sqrt(means[2])
     of_rms, of_std = _scales(rms, std, np.broadcast_to(least, x.shape[1:]).ravel())
     return mean, powers, means, np.array([of_rms, 2 * rms * of_rms, 2 * std * of_std])

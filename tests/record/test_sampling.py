@@ -137,6 +137,22 @@ def test_a_record_that_begins_with_more_than_comes_has_half_a_gap_too_much_of_it
     assert at_ends({"x": few}, {}, 1.0) < true / 3
 
 
+def test_a_sea_s_ends_are_judged_beside_all_of_its_start():
+    """Of groups of waves, whose lull at the end of what is judged is not what goes on, squared as power is."""
+    rng, differ, told = np.random.default_rng(8), [], []
+    for _ in range(200):
+        t, omega = np.arange(0, 800, 0.2), rng.uniform(0.9, 1.1, 20)
+        x = (np.cos(np.outer(t, omega) + rng.uniform(0, 2 * np.pi, 20)).sum(axis=1) ** 2)[:, None]
+        mean = np.trapezoid(x[:, 0]) / (t.size - 1)
+        std = np.sqrt(np.trapezoid((x[:, 0] - mean) ** 2) / (t.size - 1))
+        differ.append([(x.mean() - mean) / np.hypot(mean, std), x.std() / std - 1])
+        start = {"x": x[: t.size // 8]}
+        told.append([at_ends(start, {}, 8.0, begins=True, last=last) for last in (1.0, 0.25)])
+    true, (told, by_lulls) = np.abs(differ).mean(axis=0).max(), np.transpose(told)
+    assert 1 / 3 < true / np.median(told) < 3, (true, np.median(told))
+    assert told.max() < 0.5 * by_lulls.max(), (told.max(), by_lulls.max())
+
+
 def test_a_start_is_forgotten_in_a_record_of_waves():
     """Let go from five times the waves' height: the less the longer the record; of the waves alone there is next to
     none."""
