@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # What a joint's loads are where nothing is said: coefficients do not depend on them.
 UNLOADED = {name: value for name, value in STARTS.items() if "." not in name}
 MANY = 24  # motions that there are, beyond which the memory's fit takes longer than the boundary elements
-BEM_VERSION = 31  # of coefficients, and of the form of their file: raise it when either changes
+BEM_VERSION = 32  # of coefficients, and of the form of their file: raise it when either changes
 
 
 def of_joints(study: StudyFile) -> set[str]:

@@ -37,11 +37,11 @@ def fit(
     """The passive memory of least order whose misfit of B - iωA is at most `tolerance`, else one of nearly the best.
 
     omega: (nw,) > 0 [rad/s]; added_mass, radiation_damping: (nw, n, n); added_mass_inf: (n, n).
-    Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and beyond ω_p they
-    count less, 1/(1 + (ω/ω_p)⁶): velocities fall off about so fast, seas with ω^-2.5, the wave's force on a hull with
-    ω^-2, and mass with ω^-1; and waves reflected between bodies ripple there faster than the BEM's frequencies show.
-    ω_p is where a body's diagonal over `lengths`² peaks, between two the geometric mean: a small one hears shorter
-    waves. A∞ is fitted along: the BEM's has an error too, and counts as one more sample at `hold` times the ω_p of all.
+    Misfits of entry ij are relative to sqrt(y_i y_j), y_i the largest |B_ii - iω(A_ii - A∞_ii)|, and
+    beyond the frequency ω_p where the diagonal over `lengths`² peaks they count less, 1/(1 + (ω/ω_p)⁶): velocities
+    fall off about so fast, seas with ω^-2.5, the wave's force on a hull with ω^-2, and mass with ω^-1; and waves
+    reflected between bodies ripple there faster than the BEM's frequencies show. A∞ is fitted along:
+    the BEM's has an error too, and counts as one more sample at `hold` times ω_p.
     Frequencies at which the damping is far from passive are left out: water caught between bodies resonates there, and
     boundary elements say nothing. Y(0) = 0 holds exactly: there is no damping of slow drift. `lengths` (n,) [m] tell
     motions that radiate nothing but mesh error, such as a sphere turning: 1 for translations, the body's size for
@@ -108,7 +108,7 @@ def samples(
         )
     told = sound if resolved is None else sound & resolved
     known = added_mass[sound], radiation_damping[sound], added_mass_inf
-    return Samples.of(omega[sound], *known, lengths, body, heard, moved, told[sound], sound, hold)
+    return Samples.of(omega[sound], *known, lengths, heard, moved, told[sound], sound, hold)
 
 
 def _diagonal(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray, infinite: np.ndarray) -> np.ndarray:
@@ -159,7 +159,6 @@ class Samples:
         damping: np.ndarray,
         infinite: np.ndarray,
         lengths: np.ndarray,
-        body: np.ndarray,
         heard: np.ndarray,
         moved: np.ndarray,
         resolved: np.ndarray,
@@ -173,14 +172,12 @@ class Samples:
         upper, root = np.triu_indices(len(own)), np.sqrt(diagonal.max(axis=0))
         i = np.concatenate([own[upper[0]], np.repeat(other, len(own))])
         j = np.concatenate([own[upper[1]], np.tile(own, len(other))])
-        each = (diagonal / lengths**2)[:, own]
-        peak = omega[each.sum(axis=1).argmax()]
-        of_body = {b: omega[each[:, body[own] == b].sum(axis=1).argmax()] for b in np.unique(body[own])}
-        peaks = np.array([of_body.get(b, peak) for b in body])
+        peak = omega[np.argmax((diagonal / lengths**2)[:, own].sum(axis=1))]
         whole_infinite, scale = (infinite + infinite.T) / 2, root[i] * root[j]
         total = transfer + 1j * omega[:, None, None] * infinite
-        counts = 1 / (1 + (omega[:, None] / np.sqrt(peaks[i] * peaks[j])) ** FALL)
-        counts *= np.where(resolved, 1.0, UNRESOLVED)[:, None]
+        counts = 1 / (1 + (omega[:, None] / peak) ** FALL)
+        counts = counts * np.where(resolved, 1.0, UNRESOLVED)[:, None]
+        counts = np.repeat(counts, i.size, axis=1)
         weight = counts.max(axis=1)
         return cls(
             omega=omega,

@@ -118,24 +118,6 @@ def test_what_radiates_little_for_certain_is_remembered(moved):
     assert not unsure[:, 1].any() and not unsure[:, :, 1].any()
 
 
-def test_a_small_body_hears_waves_that_a_large_one_does_not():
-    """A tenth as long, it radiates in a band three times higher: misfits count there as much of its own."""
-    large, omega, tolerance = known(), np.linspace(0.2, 24.0, 80), 0.02
-    small = RadiationMemory(
-        beta=3 * large.beta, residue=1e-3 * large.residue, added_mass_inf=1e-3 * large.added_mass_inf, error=0.0
-    )
-    A, B = (
-        np.concatenate([np.pad(of, ((0, 0), (0, 2), (0, 0))), np.pad(other, ((0, 0), (2, 0), (0, 0)))], axis=2)
-        for of, other in zip(coefficients(large, omega), coefficients(small, omega), strict=True)
-    )
-    infinite = np.diag(np.append(*(np.diag(m.added_mass_inf) for m in (large, small))))
-    fitted = fit(omega, A, B, infinite, tolerance, body=np.array([0, 0, 1, 1])).frequency(omega)
-    exact = small.frequency(omega)
-    peak = np.abs(np.einsum("wii->wi", exact)).max(axis=0)
-    off = np.abs(fitted[:, 2:, 2:] - exact) / np.sqrt(np.outer(peak, peak))
-    assert off[omega < 3 * 3.5].max() < 3 * tolerance
-
-
 def test_what_radiates_is_told_beside_its_own_body_or_all_that_move():
     """Heave of a slender spar is next to nothing beside its surge, of which there is none, but not beside a float's."""
     size, lengths, body = np.array([1.0, 900.0, 0.5, 1e-4]), np.ones(4), np.array([0, 1, 1, 0])
