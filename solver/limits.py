@@ -1,14 +1,13 @@
 """Bounds on every coordinate, within which a scene's model holds, and the message of a run that passes one."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from solver import motions
 from solver.mooring import line_stiffness
-from solver.multibody.bodies import Bodies
-from solver.multibody.chain import PRISMATIC
-from solver.scene import DOFS, FALLEN_OVER, Float, Platform, Scene, falls_at, turning_bounds, uprights
+from solver.scene import DOFS, FALLEN_OVER, Float, Platform, Scene, falls_at, poses, turning_bounds, uprights
 from solver.sea.field import WaveField
 
 # Of the sum of amplitudes, by which the local wave field may be off at the ends of the excursion; a record's
@@ -17,41 +16,78 @@ ROUGH = 1e-2
 
 ROUNDING = 1e-12  # of a heading along an axis across it
 DEEP = 100.0  # of 2kh: water is as deep as any
+TWICE, POINTS = (
+    2.0,
+    201,
+)  # times ROUGH's radius, beyond which all is left out, and where it is looked what is up to there
+LITTLE = 1e-100  # that is left out
+AWAY = 0.1  # of its hull's size, that a float rests beside where it is given: the waves' series is about there
 
 
-def excursions(scene: Scene, field: WaveField, terms: Sequence[int], carrier_axes: np.ndarray) -> np.ndarray:
-    """Least and largest value (nz, 2) [m or rad] of each coordinate, carriers first; terms: of the wave fields."""
+class Rest(NamedTuple):
+    """What the waves' series are about, of floats that rest away from where they are given; the others' is that."""
+
+    places: tuple[tuple[float, ...], ...]  # (nb, 3) in still water [m]
+    joints: tuple[float, ...]  # (nj,) that bring them there [m or rad]
+
+
+def given(scene: Scene) -> Rest:
+    """Of floats that all rest where they are given."""
+    places = tuple(tuple(map(float, f.centre)) for f in scene.floats)
+    return Rest(places, (0.0,) * sum(len(f.motion) for f in scene.floats))
+
+
+def rest(scene: Scene, joints: np.ndarray) -> Rest:
+    """Of floats that rest with joints (nj,) where these are."""
+    places, levels, first = [], [], 0
+    each = zip(scene.floats, poses(scene.floats, scene.carriers, joints), radii(scene), scene.nonlinear, strict=True)
+    for item, (_, place), size, nonlinear in each:
+        at = joints[first : (first := first + len(item.motion))]
+        away = nonlinear and np.linalg.norm((place - item.centre)[:2]) > AWAY * size
+        up = np.array([place[2] * (axis == "heave") for axis in item.motion])
+        places.append((float(place[0]), float(place[1]), 0.0) if away else tuple(map(float, item.centre)))
+        levels.extend((at - up if away else 0 * at).tolist())
+    return Rest(tuple(places), tuple(levels))
+
+
+def excursions(
+    scene: Scene, field: WaveField, terms: Sequence[int], carrier_axes: np.ndarray, about: Rest | None = None
+) -> np.ndarray:
+    """Least and largest value (nz, 2) [m or rad] of each coordinate, carriers first; terms: of the wave fields, about
+    where floats are given unless otherwise said."""
     rows: list[float] = []
     if scene.platform is not None:
         size = _extent(scene.platform)
         rows = [FALLEN_OVER if d >= 3 else size for d in carrier_axes] * len(scene.floats)
     bounds = [(-row, row) for row in rows]
-    far = ways(scene, field, terms)
+    far, middles = ways(scene, field, terms), iter((about or given(scene)).joints)
     for item, away, way in zip(scene.floats, slidings(scene, field, far), far, strict=True):
-        for name in item.motion:
-            most = away if slides(name) else _turnable(scene, item, name, way)
+        for name, middle in zip(item.motion, middles, strict=False):
+            least, most = (middle - away, middle + away) if slides(name) else _turnable(scene, item, name, way, middle)
             low, high = (-np.inf, np.inf) if slides(name) else turning_bounds(item, name)
-            bounds.append((max(low, -most), min(high, most)))
+            bounds.append((max(low, least), min(high, most)))
     return np.array(bounds, float).reshape(-1, 2)
 
 
-def _turnable(scene: Scene, item: Float, name: str, way: float) -> float:
-    """How far a float may turn about an axis by which it does not fall over [rad].
+def _turnable(scene: Scene, item: Float, name: str, way: float, middle: float) -> tuple[float, float]:
+    """Between what a float may turn about an axis by which it does not fall over [rad].
 
     Half a turn where pressure is linear and other axes tilt floats, or where a mooring 6 x 6 holds it beside other
     axes that turn: these go by the vector of the rotation, which is none for more. Else, beyond a right angle, until
-    that takes it `way` [m] off, out of its local wave field.
+    that takes it `way` [m] off, out of its local wave field about where it rests turned to the `middle`.
     """
     axis = item.direction(name)
     if np.isfinite(falls_at(axis)):
-        return np.inf
+        return -np.inf, np.inf
     if item.moored_at_a_point and item.turns.sum() > 1:
-        return np.pi
+        return -np.pi, np.pi
     if np.isinf(way):
         tilts = any(np.any(f.directions[f.turns, :2]) for f in scene.floats)
-        return np.pi if tilts and not all(scene.nonlinear) else np.inf
+        most = np.pi if tilts and not all(scene.nonlinear) else np.inf
+        return -most, most
     across = 2 * float(np.linalg.norm(np.cross(axis, item.arm)))
-    return np.inf if across <= way else max(FALLEN_OVER, 2 * float(np.arcsin(way / across)))
+    most = np.inf if across <= way else max(FALLEN_OVER, 2 * float(np.arcsin(way / across)))
+    return middle - most, middle + most
 
 
 def ways(scene: Scene, field: WaveField, terms: Sequence[int]) -> list[float]:
@@ -131,32 +167,42 @@ def radii(scene: Scene) -> list[float]:
     return [f.hull.profile_size if stays else f.hull.size for f, stays in zip(scene.floats, flat, strict=True)]
 
 
-def field_error(scene: Scene, bodies: Bodies, field: WaveField, furthest: np.ndarray) -> float:
-    """Largest error of the local wave field on a hull, as a share of the sum of amplitudes.
+class LeftOut:
+    """What the local wave field about each float leaves out on its hull as it goes, as a share of the amplitudes' sum.
 
-    furthest (nz,): largest magnitude of each coordinate so far [m or rad].
+    At most: all waves' crests add up there. None where pressure is linear.
     """
-    hulls = zip(motions.in_plane(scene), radii(scene), np.diff(bodies.first_term), strict=True)
-    return max(
-        (
-            field.left_out(terms, size + _way(bodies, b, furthest, flat))
-            for b, (flat, size, terms) in enumerate(hulls)
-            if bodies.nonlinear[b]
-        ),
-        default=0.0,
-    )
 
+    def __init__(self, scene: Scene, field: WaveField, terms: Sequence[int]) -> None:
+        """terms: of the series about each float."""
+        self.field, self.terms = field, [n * bool(field.sea.amplitude.any()) for n in terms]
+        self.sizes, self.count = radii(scene), 0
+        self.furthest, self.squares = np.zeros((2, len(terms)))
+        self.tables = []
+        for n in self.terms:
+            at = np.linspace(0, TWICE * field.radius_for(n, ROUGH), POINTS) if n else np.zeros(1)
+            self.tables.append((at, np.log([max(self._beyond(n, r), LITTLE) for r in at])))
 
-def _way(bodies: Bodies, b: int, furthest: np.ndarray, flat: bool = False) -> float:
-    """How far from rest a float's reference point may get [m]: axis by axis, from the joint's last; flat: see sight."""
-    way = 0.0
-    for i in reversed(range(bodies.axes[b])):
-        size = furthest[bodies.coordinate[b, i]]
-        lever = float(np.linalg.norm(sight(flat) * (bodies.reference[b] - bodies.point[b, i]))) + way
-        along = bodies.direction[b, i]
-        share = max(abs(along[:2] @ bodies.wave_direction), abs(along[2]))  # across the waves they are the same
-        way += share * size if bodies.kind[b, i] == PRISMATIC else 2 * np.sin(min(size, np.pi) / 2) * lever
-    return way
+    def _beyond(self, terms: int, radius: float) -> float:
+        return self.field.left_out(terms, radius) if terms else 0.0
+
+    def add(self, ways: np.ndarray) -> None:
+        """Take in how far from its middle each float's reference point is (m, nb), along the waves and up [m]."""
+        self.count += len(ways)
+        self.furthest = np.maximum(self.furthest, ways.max(axis=0, initial=0.0))
+        for b, (size, (at, left)) in enumerate(zip(self.sizes, self.tables, strict=True)):
+            self.squares[b] += np.exp(2 * np.interp(size + ways[:, b], at, left)).sum()
+
+    @property
+    def largest(self) -> float:
+        """Of any float at its furthest."""
+        each = zip(self.terms, self.sizes, self.furthest, strict=True)
+        return max((self._beyond(n, size + way) for n, size, way in each), default=0.0)
+
+    @property
+    def rms(self) -> np.ndarray:
+        """Of each over the run (nb,)."""
+        return np.sqrt(self.squares / max(self.count, 1))
 
 
 def slides(name: str) -> bool:

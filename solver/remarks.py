@@ -6,6 +6,7 @@ import numpy as np
 
 from solver.balance import moored_at
 from solver.hydrodynamics.hull.swing import inside
+from solver.limits import ROUGH, LeftOut
 from solver.mooring import line_pulls
 from solver.scene import DOFS, Float, Scene, load_unit_along, unit_along
 from solver.sea.field import wave_field
@@ -196,6 +197,17 @@ def swings_up(scene: Scene, joint: int, size: float) -> str:
         " it, which no linear response has: rotation_effect is 1 for what is not known, and only a run in time tells"
         ' how far (solver.method = "time")'
     )
+
+
+def left_series(scene: Scene, out: LeftOut) -> Iterator[str]:
+    """A sentence for each float that left the series of the waves around it for so long, or so far, that it counts."""
+    for item, way, left in zip(scene.floats, out.furthest, out.rms, strict=True):
+        if left > ROUGH:
+            yield (
+                f"floats.{item.name} went {way:.3g} m along the waves or up from its place at rest, out of the series"
+                f" of the waves about that, which leaves out {left:.2g} of the amplitudes' sum (rms, at most) on its"
+                " hull: no part of the estimated error; hold it by more stiffness or damping, or end the waves' band lower"
+            )
 
 
 def beyond_tables(floats: Sequence[Float], low: np.ndarray, high: np.ndarray) -> Iterator[str]:

@@ -18,8 +18,9 @@ from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, cautions, coefficient_errors
 from solver.hydrodynamics.radiation.fitting import USUAL
-from solver.limits import field_error
+from solver.limits import LeftOut
 from solver.motions import of_scene
+from solver.multibody.way import ways
 from solver.oddities import overdamped, warnings
 from solver.record.accuracy import ATTEMPTS, first_guess, improved, overruled
 from solver.record.audit import audit, doubts
@@ -33,7 +34,7 @@ from solver.record.shares import Shares
 from solver.record.starting import drifting, from_rest, left_over
 from solver.record.turning import turning
 from solver.record.unknown import without_unknown
-from solver.remarks import beyond_tables, of_motions
+from solver.remarks import beyond_tables, left_series, of_motions
 from solver.scene import Scene
 
 # What the record says of how it was computed.
@@ -153,9 +154,12 @@ def _run(
     recorder, probe = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies), Probe(system)
     state, shares = system.start(), Shares(system, hydrodynamics)
     before, done, bend = copied(state), 0, sharpest_bend(scene)
-    furthest = np.abs(np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z))
+    left = LeftOut(scene, system.near, system.terms)
     low = high = np.stack([state.z, state.dz])  # of positions and rates, where loads are given in a range of them
     ranged = any(points is not None for f in scene.floats for points in f.pto_points)
+    nonlinear = scene.sea.amplitude.any() and any(system.terms)
+    if nonlinear:
+        left.add(ways(system.bodies, np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z)[None]))
     for samples, output, times in blocks(system, state, steps):
         watch(system, times, output)
         recorder.add(times, output, samples)
@@ -163,7 +167,8 @@ def _run(
         if ranged:
             joints = np.stack([output.z, output.dz])[..., output.z.shape[1] - state.z.size :]
             low, high = np.minimum(low, joints.min(axis=1)), np.maximum(high, joints.max(axis=1))
-        furthest = np.maximum(furthest, np.abs(output.z).max(axis=0))
+        if nonlinear:
+            left.add(ways(system.bodies, output.z))
         probe.add(times, output, samples)
         if probe.unaware(output) or probe.before(bend, times):
             probe = probe.again(done, before)
@@ -185,7 +190,7 @@ def _run(
         **{f"work_{name}": float(value) for name, value in zip(WORKS, state.work, strict=True)},
         "stored_energy_change": float(stored - state.energy[AT_START]),
         **audit(probe, hydrodynamics, state),
-        "field_error": field_error(scene, system.bodies, system.near, furthest),
+        "field_error": left.largest,
         **coefficient_errors(hydrodynamics),
         **{name: getattr(s, name) for name in KNOBS},
         "memory_tolerance": s.memory_tolerance or USUAL,
@@ -202,6 +207,7 @@ def _run(
         *of_motions(scene, channels.axes, tables, system.joints_at_rest),
         *turning(system, channels, tables),
         *beyond,
+        *left_series(scene, left),
         *late,
         *(settling := list(recorder.settling.notes(channels))),
         *(() if settling else left_over(system, hydrodynamics)),

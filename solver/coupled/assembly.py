@@ -60,6 +60,7 @@ def bodies(
     added_mass: np.ndarray,
     terms: tuple[int, ...],
     places: Places,
+    rest: limits.Rest,
 ) -> Bodies:
     """Arrays of all floats; carrier coordinates only with an elastic support; terms of the wave field around each."""
     floats, water = scene.floats, scene.water
@@ -84,6 +85,7 @@ def bodies(
         axes=np.array([len(chain) for chain in chains], np.int64),
         # Always floats: with an integer among the inputs all kernels would be compiled once more.
         reference=np.array([f.centre for f in floats], float).reshape(nb, 3),
+        about=np.array(rest.places, float).reshape(nb, 3),
         mass=np.array([f.mass for f in floats], float),
         cog=np.array([f.cog for f in floats], float).reshape(nb, 3),
         inertia=np.array([f.inertia_tensor for f in floats], float).reshape(nb, 3, 3),
@@ -106,7 +108,7 @@ def bodies(
         turning=scene.settings.hydrodynamic_axes == "body",
         law=joint_law(floats, nc),
         mechanism=_per_axis(floats, "mechanism_inertia", nc),
-        limit=limits.excursions(scene, field, terms, carrier),
+        limit=limits.excursions(scene, field, terms, carrier, rest),
         lines=lines_of([f.lines for f in floats]),
         pulled=np.array([line_stiffness(f.lines, f.centre) for f in floats]).reshape(nb, 6, 6),
     )
@@ -292,11 +294,12 @@ def wave_rows(
     hydrodynamics: Hydrodynamics | None,
     terms: tuple[int, ...],
     reach: float,
+    rest: limits.Rest,
 ) -> tuple[np.ndarray, Layout, Places]:
     """All rows (m, n) that the wave drives, where each quantity is, and how the loads of floats that slide are told.
 
-    near: of the waves around the floats, within a reach [m], terms: of the series around each. The pressure of other
-    waves is linear.
+    near: of the waves around the floats, within a reach [m] of their rest, terms: of the series around each. The
+    pressure of other waves is linear.
     """
     every, kind = (True,) * len(scene.floats), scene.settings.froude_krylov
     wanted = (("diffraction", every, False),) * scene.settings.diffraction
@@ -305,9 +308,8 @@ def wave_rows(
     # Still water has a frequency for form's sake, which the coefficients need not cover.
     known = hydrodynamics if scene.sea.amplitude.any() else None
     leaders, tolerance = sliding.leaders(scene, field), scene.settings.field_tolerance
-    reaches = sliding.reaches(scene, leaders, near, terms, reach)
-    centres = tuple(tuple(f.centre.tolist()) for f in scene.floats)
-    return _rows(field, near, centres, support, known, terms, wanted, leaders, reaches, tolerance)
+    reaches = sliding.reaches(scene, leaders, near, terms, reach, rest)
+    return _rows(field, near, rest.places, support, known, terms, wanted, leaders, reaches, tolerance)
 
 
 Wanted = tuple[tuple[str, tuple[bool, ...], bool], ...]  # kind of force, floats, whether only of waves not near
@@ -317,7 +319,7 @@ Wanted = tuple[tuple[str, tuple[bool, ...], bool], ...]  # kind of force, floats
 def _rows(
     field: WaveField,
     near: WaveField,
-    centres: tuple[tuple[float, float, float], ...],
+    centres: tuple[tuple[float, ...], ...],
     support: Support | None,
     hydrodynamics: Hydrodynamics | None,
     terms: tuple[int, ...],

@@ -66,21 +66,28 @@ def prepare(scene: Scene, hydrodynamics: Hydrodynamics | None, fit: RadiationMem
         _require_hardly_felt(scene, hydrodynamics, waves, near, reach)
     felt = near if any(scene.nonlinear) else None
     still = scene.water, scene.current, scene.sea.heading, scene.floats, scene.platform, scene.settings
-    rows, layout, places = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms, reach)
-    body = _bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms, places)
-    system = System(
-        scene=scene,
-        bodies=body,
-        support=support,
-        structure=assembly.structure(support),
-        fit=fit,
-        memory=assembly.memory(fit, dt, na),
-        rows=rows.copy() if any(places.terms) else rows,
-        layout=layout,
-        waves=waves,
-        near=near,
-        dt=dt,
-    )
+
+    def about(rest: limits.Rest) -> tuple[System, Places]:
+        rows, layout, places = assembly.wave_rows(scene, waves, near, support, hydrodynamics, terms, reach, rest)
+        system = System(
+            scene=scene,
+            bodies=_bodies(*still, felt, support, hydrodynamics, Bits(added_mass), terms, places, rest),
+            support=support,
+            structure=assembly.structure(support),
+            fit=fit,
+            memory=assembly.memory(fit, dt, na),
+            rows=rows.copy() if any(places.terms) else rows,
+            layout=layout,
+            waves=waves,
+            near=near,
+            dt=dt,
+        )
+        return system, places
+
+    system, places = about(given := limits.given(scene))
+    if scene.sea.amplitude.any() and (rest := _rest(system, given)) != given:
+        system, places = about(rest)
+    body, layout = system.bodies, system.layout
     if any(places.terms):
         assert hydrodynamics is not None, "no wave loads follow a float without any"
         swing = along_waves(system, hydrodynamics)[list(places.leader), None]
@@ -107,6 +114,16 @@ def around(scene: Scene, waves: WaveField) -> tuple[WaveField, float, tuple[int,
     return near, reach, assembly.terms_of(scene, near, reaches)
 
 
+def _rest(system: System, given: limits.Rest) -> limits.Rest:
+    """What the waves' series are about; where floats are given if they rest nowhere, which is said elsewhere."""
+    if not any(system.scene.nonlinear):
+        return given
+    try:
+        return limits.rest(system.scene, system.joints_at_rest)
+    except SimulationFailed:
+        return given
+
+
 @lru_cache(maxsize=KNOWN)
 def _bodies(
     water: Water,
@@ -121,12 +138,13 @@ def _bodies(
     added_mass: Bits[np.ndarray],
     terms: tuple[int, ...],
     places: Places,
+    rest: limits.Rest,
 ) -> Bodies:
     """Scenes that differ in their seas alone share them, unless they are pushed where they are."""
     sea = replace(CALM, heading=heading) if field is None else field.sea
     scene = Scene(water=water, sea=sea, current=current, floats=floats, platform=platform, settings=settings)
     field = wave_field(sea, water.depth, water.gravity, current) if field is None else field
-    return assembly.bodies(scene, field, support, hydrodynamics, added_mass.value, terms, places)
+    return assembly.bodies(scene, field, support, hydrodynamics, added_mass.value, terms, places, rest)
 
 
 def _require_hardly_felt(
@@ -244,14 +262,11 @@ def _reaches(scene: Scene, slid: np.ndarray) -> list[float]:
 
 
 def _way(item: Float, lever: np.ndarray, angle: float, slid: float, heading: float) -> float:
-    """How far the end of a lever gets [m]: turned by an angle, or slid so far from where it is let go, or where a
-    preload brings it that nothing but springs holds; across the waves is no way.
-    """
+    """How far the end of a lever gets [m] from its rest: turned by an angle, or slid so far from where it is let go;
+    across the waves is no way."""
     turned = 2 * np.sin(angle / 2) * float(np.linalg.norm(lever))
-    pushed, springs = np.abs(item.per_axis("preload") + item.moored.pretension), limits.springs(item)
     ahead = limits.ahead(item, np.array([np.cos(heading), np.sin(heading), 0.0]))
-    held = (springs > 0) & (ahead > 0)
-    start = np.maximum(np.abs(item.per_axis("offset")), np.divide(pushed, springs, out=0 * pushed, where=held))
+    start = np.abs(item.per_axis("offset"))
     rising = [x + slid for x, name in zip(start, item.motion, strict=True) if name == "heave"]
     turning = [turned] * any(not limits.slides(name) for name in item.motion)
     return float(max(ahead @ start + slid * ahead.any(), *rising, *turning, 0.0))

@@ -36,17 +36,18 @@ class Places(NamedTuple):
 
 
 def reaches(
-    scene: Scene, leader: tuple[int, ...], near: WaveField, terms: Sequence[int], reach: float
+    scene: Scene, leader: tuple[int, ...], near: WaveField, terms: Sequence[int], reach: float, rest: limits.Rest
 ) -> tuple[float, ...]:
-    """(nb,) [m] of the floats that have a leader.
+    """(nb,) [m] of the floats that have a leader, from where they are given.
 
-    near: of the waves whose pressure is integrated; terms: of its series about each float, which ends the way; reach:
-    where none is.
+    near: of the waves whose pressure is integrated; terms: of its series about each float's rest, which ends the way;
+    reach: where none is.
     """
     if max(leader, default=-1) < 0 or not scene.sea.amplitude.any():
         return (0.0,) * len(scene.floats)
     ways = limits.ways(scene, near, terms) if near.sea.amplitude.any() else [reach] * len(leader)
-    return tuple(way if a >= 0 else 0.0 for a, way in zip(leader, ways, strict=True))
+    off = [abs(float((x - f.centre) @ near.direction)) for x, f in zip(rest.places, scene.floats, strict=True)]
+    return tuple(way + off[a] if a >= 0 else 0.0 for a, way in zip(leader, ways, strict=True))
 
 
 def leaders(scene: Scene, waves: WaveField) -> tuple[int, ...]:

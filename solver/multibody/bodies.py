@@ -19,7 +19,8 @@ class Bodies(NamedTuple):
     point: np.ndarray  # (nb, n, 3)
     coordinate: np.ndarray  # (nb, n) index into z
     axes: np.ndarray  # (nb,) number of axes
-    reference: np.ndarray  # (nb, 3) reference points at rest
+    reference: np.ndarray  # (nb, 3) reference points where floats are given
+    about: np.ndarray  # (nb, 3) what the series of the wave field around each is about, in still water
     mass: np.ndarray  # (nb,)
     cog: np.ndarray  # (nb, 3) from the reference point
     inertia: np.ndarray  # (nb, 3, 3) about the c.o.g., body frame

@@ -155,7 +155,7 @@ def pressures(bodies: Bodies, motion: Motion, field: np.ndarray, room: PressureR
             field[2 * first : first + last],
             field[first + last : 2 * last],
             bodies.surface_terms[b],
-            bodies.reference[b],
+            bodies.about[b],
             bodies.wave_direction,
             bodies.rho_g,
             bodies.wheeler,

@@ -49,8 +49,16 @@ class PressureForce:
     """Hydrostatic and Froude-Krylov load on all floats, by panels, by quadrature, or linear hydrostatics."""
 
     def __init__(
-        self, scene: Scene, field: WaveField, kind: Surface, panels: tuple[int, int], coefficients: Hydrodynamics | None
+        self,
+        scene: Scene,
+        field: WaveField,
+        kind: Surface,
+        panels: tuple[int, int],
+        coefficients: Hydrodynamics | None,
+        about: np.ndarray | None = None,
     ) -> None:
+        """about (nb, 3): places of the waves' series, where floats are given unless otherwise said."""
+        self.about = np.array([f.centre for f in scene.floats]) if about is None else about
         self.scene, self.field, self.kind = scene, field, kind
         self.linear = scene.settings.froude_krylov != "body-nonlinear"
         self.coefficients = coefficients
@@ -59,7 +67,7 @@ class PressureForce:
         elif not self.linear:
             self.quadratures = [self._quadrature(f.hull) for f in scene.floats]
             self.terms = [max(TERMS, field.terms_for(self._reach(f.hull), LARGE[1])) for f in scene.floats]
-            self.rows = [field.local_pressure(f.centre, n) for f, n in zip(scene.floats, self.terms, strict=True)]
+            self.rows = [field.local_pressure(x, n) for x, n in zip(self.about, self.terms, strict=True)]
 
     def _reach(self, hull: Hull) -> float:
         """How far about rest a series is to hold [m]: where the waves are too short for that, as far as floats get."""
@@ -122,7 +130,7 @@ class PressureForce:
         def load(b: int, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
             out = np.zeros(6)
             real, imag = local[b]
-            waves = Incident(real, imag, self.terms[b], scene.floats[b].centre, direction, rho_g, wheeler, water.depth)
+            waves = Incident(real, imag, self.terms[b], self.about[b], direction, rho_g, wheeler, water.depth)
             self.quadratures[b](position, rotation, waves, out)
             return out
 

@@ -190,7 +190,7 @@ def _case(
         nodes = np.array([f.hinge for f in scene.floats], float).reshape(-1, 3)
         rows = driven(system.support, system.waves)
         support = ElasticSupport(system.support, rows, nodes, A.sum(axis=1), A, dt)
-    force = PressureForce(scene, system.waves, surface or s.surface, panels, h)
+    force = PressureForce(scene, system.waves, surface or s.surface, panels, h, system.bodies.about)
     found = max(leaders(scene, system.waves), default=-1)
     swing = along_waves(system, h) if h is not None and found >= 0 else None
     floats = Floats(scene, h, kernel, force, support, dt=dt, A=A, steps=steps, swing=swing)
