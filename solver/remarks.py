@@ -206,7 +206,7 @@ def left_series(scene: Scene, out: LeftOut) -> Iterator[str]:
             yield (
                 f"floats.{item.name} went {way:.3g} m along the waves or up from its place at rest, out of the series"
                 f" of the waves about that, which leaves out {left:.2g} of the amplitudes' sum (rms, at most) on its"
-                " hull: no part of the estimated error; hold it by more stiffness or damping, or end the waves' band lower"
+                " hull: no part of the estimated error; hold it by more stiffness or damping, or end the band lower"
             )
 
 

@@ -37,7 +37,7 @@ from solver.record.sampling import (
     of_every_other,
 )
 from solver.scene import Scene
-from solver.statistics import FAINT, apart, moments
+from solver.statistics import FAINT, STATISTICS, apart, moments
 
 PROBE = 600  # usual steps of a scene: length of the run with half the step
 STATES = 48  # at which the pressure's quadrature is compared with a finer one
@@ -383,7 +383,8 @@ def _working(system: System, channels: Channels, moves: np.ndarray) -> np.ndarra
 def quadrature_error(system: System, probe: Probe) -> float:
     """Of mean and std of the pressure's load on the joints, against twice the points, relative to that std.
 
-    Of joints that the load moves by more than Newton's tolerance, and FAINT as much as those that it moves most.
+    Of joints that it moves by more than Newton's tolerance, of all where one is moved so far, or, in waves, whose rest
+    it shifts so far; and FAINT as much as those that it moves most. Off by more than it varies it tells none: UNTOLD.
     """
     if not system.bodies.nonlinear.any():
         return 0.0
@@ -398,8 +399,11 @@ def quadrature_error(system: System, probe: Probe) -> float:
     least, model = system.newton_tolerance * np.abs(np.diag(system.stiffness))[joints], linear_model(system)
     pushed = (model.length / np.diag(model.mass))[system.structure.omega.size :] * exact[:, -1]  # [m/s²]
     # What next to nothing pushes rests: rounding, where no spring says how much of it there is.
-    used = (exact[:, -1] > least) & (pushed > max(FAINT * pushed.max(initial=0.0), RESTS * system.scene.water.gravity))
-    return max((apart(a, b) for a, b in zip(usual[used], exact[used], strict=True)), default=0.0)
+    moves = np.std([z[joints] for z, _ in probe.states], axis=0).max(initial=0.0) > system.newton_tolerance
+    shifts = np.abs(usual - exact)[:, STATISTICS.index("mean")] > least
+    counts = (exact[:, -1] > least) | moves | (shifts & system.scene.sea.amplitude.any())
+    used = counts & (pushed > max(FAINT * pushed.max(initial=0.0), RESTS * system.scene.water.gravity))
+    return min(max((apart(a, b) for a, b in zip(usual[used], exact[used], strict=True)), default=0.0), UNTOLD)
 
 
 def _joint_loads(body: Bodies, states: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:

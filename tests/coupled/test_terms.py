@@ -10,13 +10,16 @@ from solver import limits
 from solver.coupled.natural import require_stable
 from solver.coupled.preparation import prepare
 from solver.hydrodynamics.hull.panel_hull import PanelHull
+from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Line, Mooring
 from solver.multibody.bodies import new_motion, pressure_room
 from solver.multibody.minimal import move, pressures
 from solver.multibody.way import ways
+from solver.remarks import left_series
 from solver.run import simulate
 from solver.scene import Float
 from solver.sea.realization import CALM
+from solver.statistics import STATISTICS
 from tests import awkward
 from tests.awkward import BALL, BUOYED, RHO, big_beside_small, rotors, sea, soft_mooring
 from tests.hydrodynamics.shapes import box
@@ -181,3 +184,56 @@ def test_the_field_reaches_where_a_preload_brings_what_springs_alone_hold():
     require_stable(pulled)
     assert pulled.joints_at_rest[0] > still.bodies.limit[0, 1]
     assert pulled.bodies.about[0, 0] == approx(pulled.joints_at_rest[0] + still.bodies.about[0, 0])
+
+
+def on_an_arm(turned, drawn=False, size=1.0, **changes):
+    """A ball on an arm of 15 m across the waves at a size, which a preload holds turned by an angle, or drawn there."""
+    at = np.array([-np.sin(turned) * 15, np.cos(turned) * 15, -2.0]) if drawn else np.array([0.0, 15.0, -2.0])
+    item = Float(
+        name="ball", hull=Revolution.hemisphere_cylinder(radius=1.5 * size, height=1.5 * size),
+        mass=7245.3 * size**3, inertia=(1.5e4 * size**5,) * 3, cog=(0, 0, -0.3 * size), hinge=(0, 0, 2.0 * size),
+        arm=tuple((at * size).tolist()), motion=("yaw", "heave"), damping=(3e6 * size**4.5, 2e4 * size**2.5),
+        stiffness=(4e6 * size**4, 0.0), preload=(0.0 if drawn else 4e6 * size**4 * turned, 0.0),
+    )  # fmt: skip
+    waves = sea(Hs=size, Tp=4.5 * size**0.5, band=(0.7 / size**0.5, 3.8 / size**0.5))
+    times = {"duration": 60.0 * size**0.5, "discard": 20.0 * size**0.5, "ramp": 10.0 * size**0.5}
+    whole = awkward.scene((replace(item, **changes),), depth=40.0 * size, waves=waves, **times)
+    return bare(whole)
+
+
+@pytest.mark.parametrize("size", [1.0, 1 / 20])
+def test_a_float_held_far_from_where_it_is_given_is_in_the_waves_of_its_rest(size):
+    """As one that is drawn there: about where it is given the series of its reach is none."""
+    told, drawn = (simulate(on_an_arm(-1.4, drawn, size)) for drawn in (False, True))
+    stds, means = (
+        [record.variables["motion"][1][0, :, k] for record in (told, drawn)]
+        for k in (STATISTICS.index("std"), STATISTICS.index("mean"))
+    )
+    assert stds[0] == approx(stds[1], rel=1e-3)
+    assert means[0] - [-1.4, 0] == approx(means[1], abs=1e-3 * stds[1].min())
+    assert told.attrs["field_error"] < 1e-4
+    assert "out of the series" not in told.attrs["warnings"]
+
+
+def test_a_float_that_leaves_the_series_of_its_waves_is_told():
+    """For as long as it is out: at its rest, or now and then for moments, it is not."""
+    system = prepare(on_an_arm(-1.0), None)
+    rest = system.joints_at_rest
+    near, far = rest, rest + np.array([1.4, 0.0])
+    for states, said in ((np.tile(near, (9, 1)), False), (np.tile(far, (9, 1)), True)):
+        left = left_out(system, states)
+        assert any("ball went" in note for note in left_series(system.scene, left)) == said
+    way = ways(system.bodies, far[None])[0, 0]
+    assert way == approx(15 * (np.sin(0.4) + np.sin(1.0)), rel=1e-6)
+    whole = system.near.left_out(system.terms[0], limits.radii(system.scene)[0] + way)
+    assert left.largest == approx(whole) and left.rms[0] == approx(whole, rel=0.02)
+    seldom = left_out(system, np.concatenate([np.tile(near, (99, 1)), far[None]]))
+    assert seldom.largest == left.largest and seldom.rms[0] == approx(left.rms[0] / 10, rel=1e-6)
+
+
+def test_what_rests_beside_where_it_is_given_by_little_keeps_its_middle():
+    """Of what settles the series is about where it is given, and its bounds; heave's are of the water on a long arm."""
+    settled, moved = (prepare(on_an_arm(turned), None) for turned in (-0.005, -1.4))
+    assert np.all(settled.bodies.about == settled.bodies.reference) and settled.bodies.limit[1].sum() == 0
+    assert moved.bodies.about[0] == approx([15 * np.sin(1.4), 15 * np.cos(1.4), 0.0])
+    assert moved.bodies.limit[0].sum() == approx(-2.8) and moved.bodies.limit[1].sum() == approx(0, abs=1e-9)

@@ -394,6 +394,31 @@ def test_a_float_that_rests_unheld_in_still_water_has_no_quadrature_to_judge():
     assert 0 < simulate(replace(calm, floats=(replace(free, offset=(0.0, 0.0, 0.05)),))).attrs["quadrature_error"] < 0.1
 
 
+def tiny_waves(Hs, **finer):
+    """A float on an arm whose few points on arcs shift its rest, in waves about as small as that."""
+    hull = Revolution.hemisphere_cylinder(radius=3.0, height=2.5)
+    item = Float(
+        name="b", hull=hull, mass=1025 * hull.volume, inertia=tuple(np.full(3, 4100.0 * hull.volume).tolist()),
+        cog=(0, 0, -1.0), hinge=(-9.0, 2.0, 3.0), arm=(9.0, -1.0, -3.0), axis=(0.5, 0.8, 0.0),
+        motion=("hinge", "heave"), damping=(3e6, 6e4),
+    )  # fmt: skip
+    waves = sea(Hs=Hs, Tp=7.0, band=(0.5, 2.2), heading=0.4)
+    return awkward_scene([item], waves=waves, radiation=False, diffraction=False, keep_series=True, **finer)
+
+
+def test_what_points_shift_counts_however_small_the_waves_are():
+    for Hs in (1e-3, 1e-4):
+        told = simulate(tiny_waves(Hs))
+        exact = simulate(tiny_waves(Hs, azimuths=48, arc_points=24, line_points=12))
+        (usual, mean), rms = (x.variables["motion"][1][0, 1, 2] for x in (told, exact)), told.variables["motion"][1]
+        error, said = abs(usual - mean) / rms[0, 1, 3], told.attrs["quadrature_error"]
+        assert error > 0.05 and error / 3 < said < 3 * error
+        assert said <= 1.0
+    calm = tiny_waves(1e-3)
+    calm = replace(calm, sea=replace(calm.sea, amplitude=0 * calm.sea.amplitude))
+    assert simulate(calm).attrs["quadrature_error"] == 0
+
+
 def test_what_nothing_pushes_or_holds_has_no_quadrature_to_judge():
     """Sway of a ball in head seas, which is free to go and does not."""
     free = replace(oblique_hull_in_head_seas()[0].floats[0], motion=("surge", "sway", "heave"), stiffness=(5e4, 0, 0))
