@@ -16,10 +16,7 @@ ROUGH = 1e-2
 
 ROUNDING = 1e-12  # of a heading along an axis across it
 DEEP = 100.0  # of 2kh: water is as deep as any
-TWICE, POINTS = (
-    2.0,
-    201,
-)  # times ROUGH's radius, beyond which all is left out, and where it is looked what is up to there
+TWICE, POINTS = 2.0, 201  # times ROUGH's radius, and at how many distances up to there it is known what is left out
 LITTLE = 1e-100  # that is left out
 AWAY = 0.1  # of its hull's size, that a float rests beside where it is given: the waves' series is about there
 
