@@ -1,12 +1,15 @@
 """Bounds on every coordinate, within which a scene's model holds, and the message of a run that passes one."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from solver import motions
 from solver.mooring import line_stiffness
+from solver.multibody.bodies import Bodies
+from solver.multibody.way import ways as ways_of
 from solver.scene import DOFS, FALLEN_OVER, Float, Platform, Scene, falls_at, poses, turning_bounds, uprights
 from solver.sea.field import WaveField
 
@@ -16,8 +19,8 @@ ROUGH = 1e-2
 
 ROUNDING = 1e-12  # of a heading along an axis across it
 DEEP = 100.0  # of 2kh: water is as deep as any
-TWICE, POINTS = 2.0, 201  # times ROUGH's radius, and at how many distances up to there it is known what is left out
-LITTLE = 1e-100  # that is left out
+THIN = 4  # samples of a run of which one tells how far floats get
+BINS = 400  # of how far that is
 AWAY = 0.1  # of its hull's size, that a float rests beside where it is given: the waves' series is about there
 
 
@@ -164,7 +167,7 @@ def radii(scene: Scene) -> list[float]:
     return [f.hull.profile_size if stays else f.hull.size for f, stays in zip(scene.floats, flat, strict=True)]
 
 
-class LeftOut:
+class BeyondSeries:
     """What the local wave field about each float leaves out on its hull as it goes, as a share of the amplitudes' sum.
 
     At most: all waves' crests add up there. None where pressure is linear.
@@ -172,34 +175,36 @@ class LeftOut:
 
     def __init__(self, scene: Scene, field: WaveField, terms: Sequence[int]) -> None:
         """terms: of the series about each float."""
-        self.field, self.terms = field, [n * bool(field.sea.amplitude.any()) for n in terms]
-        self.sizes, self.count = radii(scene), 0
-        self.furthest, self.squares = np.zeros((2, len(terms)))
-        self.tables = []
-        for n in self.terms:
-            at = np.linspace(0, TWICE * field.radius_for(n, ROUGH), POINTS) if n else np.zeros(1)
-            self.tables.append((at, np.log([max(self._beyond(n, r), LITTLE) for r in at])))
+        self.field, self.terms, self.sizes = field, terms, radii(scene)
+        self.felt, self.met = bool(field.sea.amplitude.any()) and any(terms), list[np.ndarray]()
 
-    def _beyond(self, terms: int, radius: float) -> float:
-        return self.field.left_out(terms, radius) if terms else 0.0
+    def add(self, bodies: Bodies, states: np.ndarray) -> None:
+        """Take in states z (m, nz) of a run, of which a few tell how far floats get."""
+        if self.felt:
+            self.met.append(ways_of(bodies, states[::THIN]))
 
-    def add(self, ways: np.ndarray) -> None:
-        """Take in how far from its middle each float's reference point is (m, nb), along the waves and up [m]."""
-        self.count += len(ways)
-        self.furthest = np.maximum(self.furthest, ways.max(axis=0, initial=0.0))
-        for b, (size, (at, left)) in enumerate(zip(self.sizes, self.tables, strict=True)):
-            self.squares[b] += np.exp(2 * np.interp(size + ways[:, b], at, left)).sum()
+    @cached_property
+    def furthest(self) -> np.ndarray:
+        """(nb,) that reference points got from the middles of their series, along the waves and up [m]."""
+        return np.max([np.zeros(len(self.sizes)), *(ways.max(axis=0) for ways in self.met)], axis=0)
 
     @property
     def largest(self) -> float:
         """Of any float at its furthest."""
-        each = zip(self.terms, self.sizes, self.furthest, strict=True)
-        return max((self._beyond(n, size + way) for n, size, way in each), default=0.0)
+        return max(map(self._beyond, range(len(self.sizes)), self.furthest), default=0.0) if self.felt else 0.0
 
-    @property
-    def rms(self) -> np.ndarray:
-        """Of each over the run (nb,)."""
-        return np.sqrt(self.squares / max(self.count, 1))
+    def rms(self) -> list[float]:
+        """Of each over the run (nb,); 0 of those that never have as much as ROUGH."""
+        far = [self.felt and self._beyond(b, way) > ROUGH for b, way in enumerate(self.furthest)]
+        return [self._rms(b) if away else 0.0 for b, away in enumerate(far)]
+
+    def _rms(self, b: int) -> float:
+        count, edges = np.histogram(np.concatenate(self.met)[:, b], BINS, (0.0, self.furthest[b]))
+        left = np.array([self._beyond(b, way) for way in (edges[1:] + edges[:-1]) / 2])
+        return float(np.sqrt(count @ left**2 / count.sum()))
+
+    def _beyond(self, b: int, way: float) -> float:
+        return self.field.left_out(self.terms[b], self.sizes[b] + way) if self.terms[b] else 0.0
 
 
 def slides(name: str) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 
 from solver.balance import moored_at
 from solver.hydrodynamics.hull.swing import inside
-from solver.limits import ROUGH, LeftOut
+from solver.limits import ROUGH, BeyondSeries
 from solver.mooring import line_pulls
 from solver.scene import DOFS, Float, Scene, load_unit_along, unit_along
 from solver.sea.field import wave_field
@@ -199,9 +199,9 @@ def swings_up(scene: Scene, joint: int, size: float) -> str:
     )
 
 
-def left_series(scene: Scene, out: LeftOut) -> Iterator[str]:
+def left_series(scene: Scene, out: BeyondSeries) -> Iterator[str]:
     """A sentence for each float that left the series of the waves around it for so long, or so far, that it counts."""
-    for item, way, left in zip(scene.floats, out.furthest, out.rms, strict=True):
+    for item, way, left in zip(scene.floats, out.furthest, out.rms(), strict=True):
         if left > ROUGH:
             yield (
                 f"floats.{item.name} went {way:.3g} m along the waves or up from its place at rest, out of the series"

@@ -18,9 +18,8 @@ from solver.coupled.system import BALANCE, System
 from solver.errors import SimulationFailed, StepTooLong
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics, cautions, coefficient_errors
 from solver.hydrodynamics.radiation.fitting import USUAL
-from solver.limits import LeftOut
+from solver.limits import BeyondSeries
 from solver.motions import of_scene
-from solver.multibody.way import ways
 from solver.oddities import overdamped, warnings
 from solver.record.accuracy import ATTEMPTS, first_guess, improved, overruled
 from solver.record.audit import audit, doubts
@@ -154,12 +153,10 @@ def _run(
     recorder, probe = Recorder(scene, system.support, layout=system.layout, bodies=system.bodies), Probe(system)
     state, shares = system.start(), Shares(system, hydrodynamics)
     before, done, bend = copied(state), 0, sharpest_bend(scene)
-    left = LeftOut(scene, system.near, system.terms)
+    left = BeyondSeries(scene, system.near, system.terms)
     low = high = np.stack([state.z, state.dz])  # of positions and rates, where loads are given in a range of them
     ranged = any(points is not None for f in scene.floats for points in f.pto_points)
-    nonlinear = scene.sea.amplitude.any() and any(system.terms)
-    if nonlinear:
-        left.add(ways(system.bodies, np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z)[None]))
+    left.add(system.bodies, np.append(np.zeros(system.bodies.mechanism.size - state.z.size), state.z)[None])
     for samples, output, times in blocks(system, state, steps):
         watch(system, times, output)
         recorder.add(times, output, samples)
@@ -167,8 +164,7 @@ def _run(
         if ranged:
             joints = np.stack([output.z, output.dz])[..., output.z.shape[1] - state.z.size :]
             low, high = np.minimum(low, joints.min(axis=1)), np.maximum(high, joints.max(axis=1))
-        if nonlinear:
-            left.add(ways(system.bodies, output.z))
+        left.add(system.bodies, output.z)
         probe.add(times, output, samples)
         if probe.unaware(output) or probe.before(bend, times):
             probe = probe.again(done, before)
