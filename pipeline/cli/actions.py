@@ -252,9 +252,7 @@ def answer(study: Study, path: Path, between: str) -> Path:
             show(table, out)
         show(differences := answers.table(found := answers.answers(data, pair)), out, written.name)
         if between and not differences.lines:
-            say(
-                f"--between = {between}: no differences, for which both need a realization in common in every sea state"
-            )
+            say(f"--between = {between}: no differences, which need a realization in common in every sea state")
         with appearing(written) as part:
             to_file(part, answers.variables(found), found.attrs)
     return written
