@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.coupled.equilibrium import balance
-from solver.coupled.linear import of_waves
+from solver.coupled.linear import jacobian, of_waves
 from solver.frequency.case import Case
 from solver.lines import real_by_complex
 
@@ -45,6 +45,23 @@ class Lattice(NamedTuple):
         return every
 
 
+class Linear(NamedTuple):
+    """The linear model by lines."""
+
+    omega: np.ndarray  # m·ω (nk,); below zero the conjugate's
+    Y: np.ndarray  # (nk, na, na)
+    Z: np.ndarray  # dynamic stiffness (nk, n, n) without dampers
+    against: np.ndarray  # load against these (nk, nz, nz)
+
+    @classmethod
+    def of(cls, case: Case, omega: np.ndarray) -> "Linear":
+        """At frequencies (nk,) of either sign."""
+        Y = case.impedance_at(np.abs(omega))
+        Y[omega < 0] = Y[omega < 0].conj()
+        against = case.model.of_floats(omega, Y)
+        return cls(omega, Y, case.model.assembled(omega, against), against)
+
+
 class Waves(NamedTuple):
     """What stays from round to round; all by lines."""
 
@@ -56,6 +73,14 @@ class Waves(NamedTuple):
     force: np.ndarray  # on the floats' coordinates by that, at rest (nk, nz)
     Z: np.ndarray  # dynamic stiffness (nk, n, n) without dampers
     against: np.ndarray  # load against these (nk, nz, nz), of the linear model
+
+    @classmethod
+    def of(cls, case: Case, lattice: Lattice, more: np.ndarray, linear: Linear, excitation: np.ndarray) -> "Waves":
+        """With the waves' own excitation (nw, nb, 6)."""
+        lines, (body, _, rest), (omega, Y, Z, against) = lattice.first(excitation), case.system.resting.value, linear
+        at_rest = jacobian(body, rest)
+        force = lines.reshape(len(lines), -1) @ at_rest.reshape(-1, at_rest.shape[-1])
+        return cls(lattice, more, omega, Y, lines, force, Z, against)
 
 
 def beyond(case: Case, waves: Waves, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -21,15 +21,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.coupled.linear import jacobian
 from solver.frequency import gaussian
 from solver.frequency.case import KNOWN, Case
 from solver.frequency.drag_effect import Effect
-from solver.frequency.exact import Lattice, Waves, beyond
+from solver.frequency.exact import Lattice, Linear, Waves, beyond
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
-from solver.frequency.subharmonics import Growing, growing, swelling
+from solver.frequency.subharmonics import growing
 from solver.lines import real_parts, some, squares
 from solver.multibody.joint_law import JointLaw
 from solver.record.probe import UNTOLD
@@ -99,7 +98,7 @@ def turning_effect(
         if not (change < GROWS * least or change <= ROUNDING * size) or rounds - nearest == IN_VAIN:
             break
         if change <= max(AGREED * whole, ROUNDING * size):  # of one hinge along its body's axes nothing else is left
-            if (of := _growing(case, response, found)) is not None:
+            if (of := growing(case, response, found)) is not None:
                 return Effect(UNTOLD, 1.0, note=swings_up(case.system.scene, of.joint, of.size))
             # What is borne where axes are free is little: the last change's inertia and all else of it belongs to that.
             wrench = case.model.loads(omega, found - X, waves.Y, wrench)
@@ -116,11 +115,6 @@ def turning_effect(
             return Effect(error, _extremes(case, waves, standing, *each))
         X = steps.after(X, found)
     return Effect(UNTOLD, 1.0)
-
-
-def _growing(case: Case, response: Response, X: np.ndarray) -> Growing | None:
-    """What swings up beside a response, of harmonics X (nk, n) where it is one wave's."""
-    return growing(case, response, X) if case.waves.size == 1 else swelling(case, response)
 
 
 class _Steps:
@@ -174,27 +168,21 @@ def _standing(case: Case, response: Response, angles: np.ndarray) -> _Standing:
 
 
 def _waves(case: Case, of: _Standing) -> Waves:
-    lattice, (omega, Y, Z, against) = (ONE, TWO)[len(of.place) - 1], _linear(case, tuple(of.place.tolist()))
     n, waves = of.several, len(of.place)
-    more = np.full(omega.size, (1 - 0.5 / n) / (1 - 0.5 / waves))
+    lattice, linear = (ONE, TWO)[waves - 1], _linear(case, tuple(of.place.tolist()))
+    more = np.full(linear.omega.size, (1 - 0.5 / n) / (1 - 0.5 / waves))
     if waves > 1:
         more[lattice.sums.any(axis=1) & (lattice.sums.sum(axis=1) == 0)] = (1 - 1 / n) / (1 - 1 / waves)
-    excitation = lattice.first(of.lines(case.excitation))
-    at_rest = jacobian(case.system.resting.value[0], case.system.resting.value[2])
-    force = excitation.reshape(omega.size, -1) @ at_rest.reshape(-1, at_rest.shape[-1])
-    return Waves(lattice, more, omega, Y, excitation, force, Z, against)
+    return Waves.of(case, lattice, more, linear, of.lines(case.excitation))
 
 
 @lru_cache(maxsize=KNOWN)
-def _linear(case: Case, place: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """ω, Y, Z and what is against the floats, of sums of waves that stand for all: often those with other dampers."""
+def _linear(case: Case, place: tuple[int, ...]) -> Linear:
+    """Of sums of waves that stand for all: often those with other dampers."""
     sums = (ONE, TWO)[len(place) - 1].sums
     omega, slowest = sums @ case.waves[list(place)], STILL * case.waves.min()  # a shape may have no stiffness
     omega[1:] = np.where(np.abs(omega[1:]) < slowest, slowest, omega[1:])
-    Y = case.impedance_at(np.abs(omega))
-    Y[omega < 0] = Y[omega < 0].conj()
-    against = case.model.of_floats(omega, Y)
-    return omega, Y, case.model.assembled(omega, against), against
+    return Linear.of(case, omega)
 
 
 def _grown(waves: Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> np.ndarray:

@@ -58,8 +58,7 @@ class _Swinging(NamedTuple):
     omega: float
     shape: np.ndarray  # φ (n,)
     radiated: float  # part of B
-    levers: np.ndarray  # ∂ᵢJ φ (6nb, nz)
-    curvature: np.ndarray  # (3nz, 3nz)
+    along: second_order.Along
     pairs: np.ndarray  # (2, np)
     apart: np.ndarray  # (np,) their frequencies [rad/s]
     band: np.ndarray | None  # g (np,) [s/rad] of each; None where differences leave the shape's own frequency out
@@ -225,12 +224,10 @@ def slow_motions(case: Case, response: Response, swinging: Iterable[tuple[_Swing
 def _spectrum(of: _Swinging, band: np.ndarray, omega: np.ndarray, z: np.ndarray, added: np.ndarray) -> float:
     """S of its load at its own frequency, one-sided: ½ Σ |f|² g over the pairs of waves omega (nw,),
 
-    f = ½ (z⋆b + b⋆z + s⋆Hs) of two waves' z, s and b = W' on levers, the second ones conjugate. added: W' (nw, 6nb).
+    see second_order.Along. added: W' (nw, 6nb).
     """
-    borne, states = added @ of.levers, second_order.states(omega, z)
-    first = np.concatenate([z, borne, states @ of.curvature], axis=1).take(of.pairs[0], axis=0)
-    second = np.concatenate([borne, z, states], axis=1).take(of.pairs[1], axis=0)
-    f = 0.5 * np.vecdot(second, first)
+    each, (i, j) = (z, second_order.states(omega, z), added), of.pairs
+    f = second_order.load(of.along.first(*each).take(i, axis=0), of.along.second(*each).take(j, axis=0))
     return float(0.5 * squares(f) @ band)
 
 
@@ -240,20 +237,16 @@ def _swinging(case: Case) -> tuple[_Swinging, ...]:
     model, omega, shapes = case.model, case.waves, below(case.system, case.hydrodynamics)
     if not (shapes.omega.size and case.system.scene.floats) or len(model.shape) > LARGEST:
         return ()
-    resting, width, found = case.system.resting, np.ptp(omega) / (omega.size - 1), []
-    turns, curves = second_order.turning(resting).levers, second_order.curvature(resting)
-    order = np.argsort(omega)
+    width, order, found = np.ptp(omega) / (omega.size - 1), np.argsort(omega), []
     for own, shape, radiated in zip(shapes.omega, shapes.shapes, shapes.radiated, strict=True):
-        along = model.shape @ shape
-        levers = (turns @ along).reshape(along.size, -1).T
+        along = second_order.Along.of(case.system.resting, model.shape @ shape)
         begin, end = np.searchsorted(omega[order], [omega + own - REACH * width, omega + own + REACH * width])
         higher = order[np.concatenate([np.arange(*ends) for ends in zip(begin, end, strict=True)])]
         pairs = np.stack([higher, np.repeat(np.arange(omega.size), end - begin)])
         apart = np.subtract(*omega[pairs])
         off = (apart - own) / width
         band = None if _left_out(off) else np.exp(-0.5 * off**2) / (width * np.sqrt(2 * np.pi))
-        curvature = np.tensordot(along, curves, 1)
-        found.append(_Swinging(own, shape, radiated, levers, curvature, pairs, apart, band))
+        found.append(_Swinging(own, shape, radiated, along, pairs, apart, band))
     return tuple(found)
 
 

@@ -22,6 +22,33 @@ class Turning(NamedTuple):
     angles: np.ndarray  # (nz,) which of them turn a float: loads on its lever, or those of its centre of gravity
 
 
+class Along(NamedTuple):
+    """What makes loads along a shape φ, of which z has so much: f = ½ (z⋆b + b⋆z + s⋆Hs) of two lines' z, s and
+    b = W' on levers, those of the second conjugate."""
+
+    levers: np.ndarray  # ∂ᵢJ φ (6nb, nz)
+    curvature: np.ndarray  # H (3nz, 3nz)
+
+    @classmethod
+    def of(cls, resting: Resting, along: np.ndarray) -> "Along":
+        """along (nz,): z for a unit of φ."""
+        levers = (turning(resting).levers @ along).reshape(along.size, -1).T
+        return cls(levers, np.tensordot(along, curvature(resting), 1))
+
+    def first(self, z: np.ndarray, s: np.ndarray, added: np.ndarray) -> np.ndarray:
+        """(nl, 5nz) of lines z (nl, nz), s (nl, 3nz) and W' (nl, 6nb)."""
+        return np.concatenate([z, added @ self.levers, s @ self.curvature], axis=1)
+
+    def second(self, z: np.ndarray, s: np.ndarray, added: np.ndarray) -> np.ndarray:
+        """The same of those that are conjugate."""
+        return np.concatenate([added @ self.levers, z, s], axis=1)
+
+
+def load(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """f (nl,) of two lines each (nl, 5nz)."""
+    return np.asarray(0.5 * np.vecdot(second, first))
+
+
 def added(case: Case, omega: np.ndarray, X: np.ndarray, wrench: np.ndarray) -> np.ndarray:
     """W' (nl, 6nb): loads (nl, nb, 6) at lines omega (nl,) less those in still water by motions X (nl, n)."""
     rate = -1j * omega[:, None]

@@ -23,7 +23,7 @@ curvatures of second order (see rotation), so that it would grow by itself where
 
 By all waves, which come and go in groups, its mean square grows where Σ μ_k² ≥ 1. With m damping the rate, γ, of a
 shape whose load has the spectrum S at 2ω₀ that is 4πγS m² ≥ 1 as Stratonovich (1963) averages, of a band wider than 4γ;
-of a narrower one that of one wave with the sea's variance. Far below, motions have 1/(1 - Σ μ_k²) of their resonance.
+of a narrower one that of one wave with the sea's variance.
 
 Dampers by the rate's square damp what grows half as much again as they damp X, which is left out; so are two shapes of
 other frequencies, whose sum is a wave's.
@@ -35,10 +35,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag
 
-from solver.coupled.linear import jacobian
 from solver.frequency import second_order
 from solver.frequency.case import KNOWN, Case
-from solver.frequency.exact import Lattice, Waves, beyond
+from solver.frequency.exact import Lattice, Linear, Waves, beyond
 from solver.frequency.response import Response
 from solver.lines import squares
 
@@ -47,7 +46,7 @@ ODD = np.array([1, 3])  # times that: five in place of these change μ by less t
 NEAR = 1e-4  # [m or rad] of ζ: its cube is nothing there
 REAL = 1e-2  # imaginary part, of its size, that a μ² may have of rounding where two are the same
 BESIDE = 1.25  # times the waves' frequencies, or over it: there twice a shape's own may lie
-MOST = 48  # coordinates of floats: δN of each takes loads of its own
+MOST = 48  # coordinates of floats: δN of each takes loads of its own, and curvatures memory with their cube
 
 
 class Growing(NamedTuple):
@@ -62,72 +61,68 @@ class _Halved(NamedTuple):
 
     shape: np.ndarray
     Z: np.ndarray  # (nw,) φᵀZφ without dampers
-    levers: np.ndarray  # ∂ᵢJ φ (6nb, nz)
-    curvature: np.ndarray  # (3nz, 3nz)
-    with_wave: np.ndarray  # (nw, 5nz) conjugates of what goes with a wave's W', z and s
+    along: second_order.Along
+    swinging: np.ndarray  # (nw, 5nz) itself as the second of two lines
 
     def pushed(self, z: np.ndarray, s: np.ndarray, added: np.ndarray) -> np.ndarray:
         """b (nw,) by waves' z (nw, nz), s (nw, 3nz) and W' (nw, 6nb)."""
-        by_waves = np.concatenate([added @ self.levers, z, s @ self.curvature], axis=1)
-        return np.asarray(0.5 * np.sum(by_waves * self.with_wave, axis=1))
+        return second_order.load(self.along.first(z, s, added), self.swinging)
 
 
 def growing(case: Case, response: Response, X: np.ndarray) -> Growing | None:
-    """Beside a response of harmonics X (nk, n) to one wave; None where nothing grows."""
-    waves, T, damping = _waves(case), case.model.shape, response.damping
-    if len(T) > MOST:
+    """Beside a response, of harmonics X (nk, n) where it is one wave's; None where nothing grows."""
+    if len(case.model.shape) > MOST:
         return None
+    return _in_one_wave(case, response, X) if case.waves.size == 1 else _in_sea(case, response)
+
+
+def _in_one_wave(case: Case, response: Response, X: np.ndarray) -> Growing | None:
+    waves, T, damping = _waves(case), case.model.shape, response.damping
     a, b = _slopes(case, waves, X)
-    Z = case.model.assembled(waves.omega[ODD], waves.against[ODD]) - 1j * waves.omega[ODD, None, None] * damping
+    Z = waves.Z[ODD] - 1j * waves.omega[ODD, None, None] * damping
     G = block_diag(*(T @ np.linalg.solve(Z, np.broadcast_to(T.T, (len(Z), *T.T.shape)))))
     square, ways = largest(np.linalg.solve(np.eye(len(G)) - G @ a, G @ b))
     if square < 1.0:
         return None
-    nc, nm = case.system.structure.carrier.shape
-    return Growing(_joint(case, np.append(np.zeros(nm), ways[nc : len(T)])), float(np.sqrt(square)))
+    nc = case.system.structure.carrier.shape[0]
+    return Growing(_joint(case, ways[nc : len(T)]), float(np.sqrt(square)))
 
 
-def swelling(case: Case, response: Response) -> Growing | None:
-    """Beside a response to a sea; None where nothing grows."""
-    waves, found = case.waves.size, None
+def _in_sea(case: Case, response: Response) -> Growing | None:
     if not (shapes := _halved(case)):
-        return found
+        return None
+    waves, nm = case.waves.size, case.model.modes.shape[1]
     z, X, wrench = response.Z[:waves], response.X[:waves], response.wrench[:waves]
     s, added = second_order.states(case.waves, z), second_order.added(case, case.waves, X, wrench)
+    sizes = []
     for of in shapes:
-        b = of.pushed(z, s, added)
         Z = of.Z - 0.5j * case.waves * (of.shape @ response.damping @ of.shape)
-        size = float(np.sqrt(np.sum(squares(b / Z))))
-        if size >= max(1.0, found.size if found else 0.0):
-            found = Growing(_joint(case, of.shape), size)
-    return found
+        sizes.append(float(np.sqrt(np.sum(squares(of.pushed(z, s, added) / Z)))))
+    k = int(np.argmax(sizes))
+    return Growing(_joint(case, shapes[k].shape[nm:]), sizes[k]) if sizes[k] >= 1.0 else None
 
 
 @lru_cache(maxsize=KNOWN)
 def _halved(case: Case) -> tuple[_Halved, ...]:
     """Of shapes whose frequency is about half of a wave's; scenes that differ in their dampers alone share them."""
-    model, resting, omega, modes = case.model, case.system.resting, case.waves, case.modes
+    model, omega, modes, found = case.model, case.waves, case.modes, []
     about = (2 * modes.omega * BESIDE > omega.min()) & (2 * modes.omega < BESIDE * omega.max())
-    if len(model.shape) > MOST or not about.any():
+    if not about.any():
         return ()
-    turns, curves, found = second_order.turning(resting).levers, second_order.curvature(resting), []
     Y, none = case.impedance_at(omega / 2), np.zeros((omega.size, len(case.system.scene.floats), 6), complex)
     stiffness = model.dynamic_stiffness(omega / 2, Y)
     for shape in modes.shapes[:, about].T:
         along, X = model.shape @ shape, np.tile(shape.astype(complex), (omega.size, 1))
-        z = X @ model.shape.T
-        levers = (turns @ along).reshape(along.size, -1).T
-        borne = second_order.added(case, omega / 2, X, model.loads(omega / 2, X, Y, none)) @ levers
-        with_wave = np.concatenate([z, borne, second_order.states(omega / 2, z)], axis=1).conj()
+        of, z = second_order.Along.of(case.system.resting, along), X @ model.shape.T
+        added = second_order.added(case, omega / 2, X, model.loads(omega / 2, X, Y, none))
         Z = np.einsum("i,wij,j->w", shape, stiffness, shape)
-        found.append(_Halved(shape, Z, levers, np.tensordot(along, curves, 1), with_wave))
+        found.append(_Halved(shape, Z, of, of.second(z, second_order.states(omega / 2, z), added)))
     return tuple(found)
 
 
-def _joint(case: Case, shape: np.ndarray) -> int:
-    """Which of the joints moves most in a shape (n,)."""
-    nm = case.model.modes.shape[1]
-    return int(np.argmax(np.abs(shape[nm:]) * case.model.length[nm:]))
+def _joint(case: Case, joints: np.ndarray) -> int:
+    """Which of them (nj,) moves most."""
+    return int(np.argmax(np.abs(joints) * case.model.length[case.model.modes.shape[1] :]))
 
 
 def largest(B: np.ndarray) -> tuple[float, np.ndarray]:
@@ -140,12 +135,7 @@ def largest(B: np.ndarray) -> tuple[float, np.ndarray]:
 def _waves(case: Case) -> Waves:
     """That of a case, by lines of half its frequency."""
     omega = HALF.sums[:, 0] * case.waves[0] / 2
-    Y = case.impedance_at(omega)
-    excitation = HALF.first(case.excitation[:1])
-    at_rest = jacobian(case.system.resting.value[0], case.system.resting.value[2])
-    force = excitation.reshape(omega.size, -1) @ at_rest.reshape(-1, at_rest.shape[-1])
-    against = case.model.of_floats(omega, Y)
-    return Waves(HALF, np.ones(omega.size), omega, Y, excitation, force, against[:0], against)
+    return Waves.of(case, HALF, np.ones(omega.size), Linear.of(case, omega), case.excitation[:1])
 
 
 def _slopes(case: Case, waves: Waves, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -17,7 +17,7 @@ from solver.errors import InputError
 from solver.hydrodynamics.bem import incident
 from solver.hydrodynamics.bem.far_field import FarField, Waves
 from solver.hydrodynamics.radiation.memory import RadiationMemory
-from solver.hydrodynamics.radiation.passivity import radiates
+from solver.hydrodynamics.radiation.passivity import own_transfers, radiates
 from solver.hydrodynamics.radiation.rational import ever_more_poles, fitted, mixed
 from solver.keys import Bits, shared
 from solver.sea.dispersion import wavenumbers
@@ -100,12 +100,11 @@ class Hydrodynamics:
         """Which motions (n,) radiate more than mesh error, however little beside others; of a file's, nobody knows."""
         if self.error is None or "panels" not in self.settings:
             return np.zeros(len(self.body), bool)
-        size, off = (np.abs(np.einsum("wii->wi", self._transfer(of))).max(axis=0) for of in (self, self.error))
+        size, off = (
+            own_transfers(self.omega, of.added_mass, of.radiation_damping, of.added_mass_inf).max(axis=0)
+            for of in (self, self.error)
+        )
         return (size > CERTAIN * off) & radiates(size, self._lengths, self.body, least=FAINTEST)
-
-    def _transfer(self, of: "Hydrodynamics | MeshError") -> np.ndarray:
-        """B + iω(A - A∞) (nw, n, n)."""
-        return of.radiation_damping + 1j * self.omega[:, None, None] * (of.added_mass - of.added_mass_inf)
 
     @cached_property
     def shifted(self) -> "Hydrodynamics":
@@ -218,7 +217,7 @@ class Hydrodynamics:
         Diffraction (nw', n') as well, without the phase of the wave's arrival, 1 at most; of motions that radiate as
         much, so much is their forces' share in it.
         """
-        transfer = self._transfer(self)
+        transfer = self.radiation_damping + 1j * self.omega[:, None, None] * (self.added_mass - self.added_mass_inf)
         size = np.sqrt(np.abs(np.einsum("wii->wi", transfer)).max(axis=0))
         heard = np.flatnonzero(radiates(size**2, self._lengths, self.body))
         scaled = transfer[self.resolved][:, heard[:, None], heard] / np.outer(size[heard], size[heard])

@@ -6,7 +6,14 @@ import numpy as np
 
 from solver.errors import InputError, SimulationFailed
 from solver.hydrodynamics.radiation.memory import RadiationMemory
-from solver.hydrodynamics.radiation.passivity import UNPASSIVE, Constraint, enforce, least_damping, radiates
+from solver.hydrodynamics.radiation.passivity import (
+    UNPASSIVE,
+    Constraint,
+    enforce,
+    least_damping,
+    own_transfers,
+    radiates,
+)
 from solver.hydrodynamics.radiation.rational import FEWEST, basis, complex_residues, mixed, relocated, starting_poles
 
 USUAL = 5e-3  # tolerance, where none is asked for
@@ -91,7 +98,7 @@ def samples(
     lengths = np.ones(n) if lengths is None else np.asarray(lengths, float)
     body = np.zeros(n, int) if body is None else body
     moved = np.ones(n, bool) if moved is None else np.asarray(moved, bool)
-    size = _diagonal(omega, added_mass, radiation_damping, added_mass_inf).max(axis=0)
+    size = own_transfers(omega, added_mass, radiation_damping, added_mass_inf).max(axis=0)
     certain = np.zeros(n, bool) if certain is None else certain
     heard = radiates(size, lengths, body) | certain
     if not np.any(moved & heard):
@@ -109,13 +116,6 @@ def samples(
     told = sound if resolved is None else sound & resolved
     known = added_mass[sound], radiation_damping[sound], added_mass_inf
     return Samples.of(omega[sound], *known, lengths, heard, moved, told[sound], sound, hold)
-
-
-def _diagonal(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray, infinite: np.ndarray) -> np.ndarray:
-    """|B_ii - iω(A_ii - A∞_ii)| (nw, n)."""
-    B, A, A_inf = (np.diagonal(part, axis1=-2, axis2=-1) for part in (damping, added_mass, infinite))
-    size: np.ndarray = np.abs(B + 1j * omega[:, None] * (A - A_inf))
-    return size
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -167,7 +167,7 @@ class Samples:
     ) -> "Samples":
         """Samples of the motions that radiate, which are `heard` (n,); arguments as of `fit`."""
         transfer = damping + 1j * omega[:, None, None] * (added_mass - infinite)
-        diagonal = _diagonal(omega, added_mass, damping, infinite)
+        diagonal = own_transfers(omega, added_mass, damping, infinite)
         own, other = np.flatnonzero(heard & moved), np.flatnonzero(heard & ~moved)
         upper, root = np.triu_indices(len(own)), np.sqrt(diagonal.max(axis=0))
         i = np.concatenate([own[upper[0]], np.repeat(other, len(own))])

@@ -32,6 +32,13 @@ SILENT = 1e-3  # a motion whose transfer over its squared length is less, of the
 UNPASSIVE = 0.5  # of the added mass: where B/ω takes as much power from the waves it radiates, the data are an error
 
 
+def own_transfers(omega: np.ndarray, added_mass: np.ndarray, damping: np.ndarray, infinite: np.ndarray) -> np.ndarray:
+    """|B_ii - iω(A_ii - A∞_ii)| (nw, n)."""
+    B, A, A_inf = (np.diagonal(part, axis1=-2, axis2=-1) for part in (damping, added_mass, infinite))
+    size: np.ndarray = np.abs(B + 1j * omega[:, None] * (A - A_inf))
+    return size
+
+
 def radiates(
     size: np.ndarray,
     lengths: np.ndarray,
