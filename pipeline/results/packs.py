@@ -145,6 +145,11 @@ class Packs:
             return None
         return Place(path.with_suffix(".nc"), number, status)
 
+    def __contains__(self, task_id: str) -> bool:
+        """Whether a task has an outcome in a pack."""
+        self._look()
+        return task_id in self._lines
+
     def row(self, task_id: str) -> tuple[str, int]:
         """Where a task's last outcome lies among all: its pack and its row; before all of them if in none."""
         self._look()

@@ -208,11 +208,15 @@ class Store:
         """The state of a task from its files; `checksums` reads the record as well."""
         entry = self._look(task.id, checksums)
         if entry.state == "missing" and self.begun():
-            for older in task.older_ids:
+            for older in filter(self._named, task.older_ids):
                 past = self._look(older, checksums)
                 if past.state == "done":
                     return replace(past, state="stale")
         return entry
+
+    def _named(self, task_id: str) -> bool:
+        """Whether anything has this name: dozens that nothing has are asked for of each task that is missing."""
+        return os.path.exists(f"{self.tasks}/{task_id}") or task_id in self.packs
 
     def begun(self) -> bool:
         """Whether there is any task's folder, or a pack."""
