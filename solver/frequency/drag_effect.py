@@ -20,10 +20,10 @@ import numpy as np
 
 from solver.frequency import gaussian
 from solver.frequency.case import Case
-from solver.frequency.outputs import Rung
+from solver.frequency.outputs import Lacks, Rung
 from solver.frequency.response import Response
 from solver.frequency.stations import Stations
-from solver.statistics import FAINT, STATISTICS
+from solver.statistics import FAINT, STATISTICS, apart
 
 BINS = 512  # of frequencies up to the fastest wave's, in _followed
 UNSURE = 0.2  # of the size of lines beyond the linear drag's: marches have 0.85 to 1.2 times those of slender piles
@@ -114,11 +114,10 @@ def drag_effect(case: Case, response: Response, rung: Rung, told: Mapping[str, n
     driven = p @ tops
     if not driven.any():
         return Effect(0.0, 1.0)
-    # Of one wave drag has its harmonics among what rings; in a sea that is joints' loads alone.
-    of_drag = slice(waves, None if waves == 1 else case.omega.size)
+    if rung.lacks is not None:
+        return Effect(_of_one(case, rung, rung.lacks, tops, of_tops, told), 1.0)
+    of_drag = slice(waves, case.omega.size)  # beside joints' loads
     shaken = gaussian.share(rung.X @ tops, of_drag)
-    if waves == 1:
-        return Effect(UNSURE * shaken, 1.0)
     if channels.nodes:
         nodes = support.node_shapes.reshape(nm, -1)
         accelerations = rung.process.omega[:, None] ** 2 * rung.X @ nodes
@@ -146,6 +145,22 @@ def drag_effect(case: Case, response: Response, rung: Rung, told: Mapping[str, n
             # What is even in the drag, in a current, makes one sense larger and the other smaller: no range changes.
             wear = bending.wear(g._replace(even=0.0))
     return Effect(error, extremes, shaken, wear)
+
+
+def _of_one(
+    case: Case, rung: Rung, lacks: Lacks, tops: np.ndarray, of_tops: np.ndarray, told: Mapping[str, np.ndarray]
+) -> float:
+    """By one wave's harmonics, which change the mean and its own line: of tops (nm, n), statistics (n, 5), and feet."""
+    steel, legs = case.channels.steel, case.channels.legs
+    (level, first), lines = lacks.X @ tops, rung.X @ tops
+    lines[0] += first
+    error = apart(of_tops, gaussian.table(of_tops[:, STATISTICS.index("mean")] + level.real, lines, rung.process))
+    if steel is not None and legs is not None:
+        (mean,), lines, (level, first) = (steel.compression(y)[:, legs.first] for y in (*rung.frame, lacks.forces))
+        lines[0] += first
+        feet = gaussian.compression_table(mean + level.real, lines, rung.process)
+        error = max(error, apart(told["bottom_stress"][legs.first], feet))
+    return error
 
 
 def _followed(case: Case, m: int, damping: float, T: np.ndarray, D: np.ndarray, Q: np.ndarray, order: int) -> float:

@@ -28,6 +28,7 @@ from solver.frequency.exact import Lattice, Linear, Waves, beyond
 from solver.frequency.outputs import Forces
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
+from solver.frequency.steps import Steps
 from solver.frequency.subharmonics import growing
 from solver.lines import real_parts, some, squares
 from solver.multibody.joint_law import JointLaw
@@ -40,7 +41,6 @@ from solver.statistics import FAINT
 STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
 ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
 GROWS, IN_VAIN = 3.0, 4  # times the least change, and rounds since that, which no more rounds make agree
-BACK = 3  # rounds that the next one goes by
 ROUNDING = 1e-10  # of the linear motions
 AGREED = 0.05  # last change of the harmonics, of what turning changes of them
 
@@ -85,7 +85,7 @@ def turning_effect(
     onto = np.tile(case.model.shape, (omega.size, 1, 1))
     onto[1:][np.abs(omega[1:]) < case.waves.min()] @= slow.others
     mobility = np.linalg.solve(Z[1:], onto[1:].swapaxes(1, 2))
-    X, least, nearest, steps = linear, np.inf, 0, _Steps(length)
+    X, least, nearest, steps = linear, np.inf, 0, Steps(length)
     for rounds in range(ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
             load, wrench = beyond(case, waves, X @ case.model.shape.T)
@@ -115,23 +115,6 @@ def turning_effect(
             return Effect(error, _extremes(case, waves, standing, *each))
         X = steps.after(X, found)
     return Effect(UNTOLD, 1.0)
-
-
-class _Steps:
-    """From round to round by what the last ones changed (Anderson 1965): of x, and of what x gives, the combination
-    that is nearest to a round that changes nothing."""
-
-    def __init__(self, length: np.ndarray):
-        self.length, self.found, self.off = length, list[np.ndarray](), list[np.ndarray]()
-
-    def after(self, X: np.ndarray, found: np.ndarray) -> np.ndarray:
-        """Where to go from X (nk, n), which gives `found`."""
-        off = ((found - X) * self.length).ravel().view(float)
-        self.found, self.off = [*self.found, found][-BACK - 1 :], [*self.off, off][-BACK - 1 :]
-        if len(self.off) == 1:
-            return found
-        gave, ways = (np.diff(every, axis=0) for every in (self.found, self.off))
-        return np.asarray(found - np.tensordot(np.linalg.lstsq(ways.T, off)[0], gave, 1))
 
 
 def _extremes(case: Case, waves: Waves, of: _Standing, told: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> float:

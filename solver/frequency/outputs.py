@@ -27,6 +27,13 @@ class Forces(NamedTuple):
     lines: np.ndarray  # (nl, ny)
 
 
+class Lacks(NamedTuple):
+    """What harmonics of drag change of one wave's response: of its mean, then of its own line."""
+
+    X: np.ndarray  # (2, nm) modes
+    forces: np.ndarray  # (2, ny) of the frame
+
+
 class Rung(NamedTuple):
     """How an elastic platform moves, and what it and the joints bear, with what bent loads ring."""
 
@@ -36,6 +43,7 @@ class Rung(NamedTuple):
     joints: np.ndarray | None = None  # (nb, 3, 5) statistics of `hinge_force` where that has such lines
     extremes: float = 1.0  # of steel to be expected, over those of Gaussian lines, where they are larger
     rings: float = 0.0  # share of steel's variance by lines that no wave makes
+    lacks: Lacks | None = None
 
 
 def strokes(case: Case, response: Response) -> Iterator[tuple[str, Labelled]]:

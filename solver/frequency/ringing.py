@@ -9,18 +9,21 @@ it is the harmonics of f.
 
 import numpy as np
 
+from solver.errors import SimulationFailed
 from solver.frequency import gaussian, left
 from solver.frequency.bent import Load, rate_load
 from solver.frequency.case import Case
-from solver.frequency.outputs import Forces, Rung, mean_forces, rate_lines
+from solver.frequency.outputs import Forces, Lacks, Rung, mean_forces, rate_lines
 from solver.frequency.response import Response
 from solver.frequency.shape import warped
+from solver.frequency.steps import Steps
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
 from solver.scene import DOFS
 
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
 HARMONICS = np.arange(3, gaussian.PHASES // 4, 2)
+ROUNDS, AGREED = 30, 1e-4  # of drag by its own harmonics, and last change of these
 BY_DRAG = np.arange(2, 13)  # in a current even ones, too; of those above accelerations have a hundredth
 
 
@@ -42,12 +45,12 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
     pushed = np.zeros((omega.size, many, len(model.mass)), complex)
     pushed[..., nm + axes] = -force
     borne = np.zeros((omega.size, many, frame.lines.shape[1]), complex)
-    if dragged and support is not None:
-        of_drag = _harmonics(numbers, _drag(case, response))
-        pushed[:, 0, :nm] = of_drag @ case.stations.shape.T
-        if support.forces is not None:
+    (X, Y), lacks = case.driven(omega, pushed, response.damping), None
+    if dragged:
+        X[:, 0], of_drag = _swung(case, response, numbers, X[:, 0])
+        lacks = _lacks(case, response, numbers, X[:, 0])
+        if support is not None and support.forces is not None:
             borne[:, 0] = support.forces.whole(of_drag @ support.forces.drag)
-    X, Y = case.driven(omega, pushed, response.damping)
     joints = np.empty((omega.size, many, len(case.system.scene.floats), 3), complex)
     for k in range(many):
         borne[:, k] += _borne(case, omega, Y, X[:, k])
@@ -60,7 +63,8 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
     mean = mean_forces(case, response)
     loads = np.concatenate([moved * _linear(load, gaussian.spread(moved)), force.reshape(at.size, -1)])
     if one:
-        return Rung(process, X, frame, gaussian.table(mean, forces, process), *_of_steel(case, frame, loads, None))
+        of_joints = gaussian.table(mean, forces, process)
+        return Rung(process, X, frame, of_joints, *_of_steel(case, frame, loads, None), lacks)
     more = _beyond_gaussian(case, load, moved, response.excess[0, axes], loads)
     return Rung(process, X, frame, _of_joints(case, mean, forces, loads, more), *_of_steel(case, frame, loads, more))
 
@@ -139,11 +143,50 @@ def _harmonics(numbers: np.ndarray, load: np.ndarray) -> np.ndarray:
     return np.exp(1j * np.outer(numbers, gaussian.PHASE)) * (2 / gaussian.PHASES) @ load
 
 
-def _drag(case: Case, response: Response) -> np.ndarray:
-    """|u|u (PHASES, nd ns) [N] of the water past the stations of a frame that moves with one wave."""
+def _swung(case: Case, response: Response, numbers: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lines (ne, n) at so many times one wave's frequency, and of the drag (ne, nd ns) [N], where others' loads make X.
+
+    The frame swings by it, and drag is of the water past that: again until it agrees with its own result.
+    """
+    nm, n = len(case.stations.shape), len(response.damping)
+    rate = -1j * numbers[:, None] * response.omega[0]
+    one = np.broadcast_to(np.eye(n)[:nm], (numbers.size, nm, n))
+    moved, _ = case.driven(numbers * response.omega[0], one, response.damping)
+    others, steps = X, Steps(case.model.length)
+    for _ in range(ROUNDS):
+        of_drag = _harmonics(numbers, _drag(case, response, numbers, rate * X[:, :nm]))
+        push = of_drag @ case.stations.shape.T + rate * X[:, :nm] @ response.damping[:nm, :nm]
+        found = others + (push[:, None] @ moved)[:, 0]
+        if np.abs(found - X)[:, :nm].max() <= AGREED * np.abs(found)[:, :nm].max():
+            return found, of_drag
+        X = steps.after(X, found)
+    raise SimulationFailed(f"harmonics of drag do not agree with their own result after {ROUNDS} rounds")
+
+
+def _lacks(case: Case, response: Response, numbers: np.ndarray, X: np.ndarray) -> Lacks:
+    """What harmonics X (ne, n) change of the mean drag and that at one wave's own frequency, and so of the response."""
+    nm, omega, support = len(case.stations.shape), response.omega, case.system.support
+    rates, none = -1j * numbers[:, None] * omega * X[:, :nm], np.zeros((numbers.size, nm))
+    changed = np.subtract(*(_drag(case, response, numbers, each) for each in (rates, none)))
+    load = np.stack([changed.mean(axis=0), _harmonics(np.ones(1), changed)[0]])
+    push = np.zeros((2, len(response.damping)), complex)
+    push[:, :nm] = load @ case.stations.shape.T
+    (first, Y), level = case.driven(omega, push[1:, None], response.damping), case.shift(push[0].real)
+    moved = np.stack([level, first[0, 0]])
+    if support is None or support.forces is None:
+        return Lacks(moved[:, :nm], np.zeros((2, 0), complex))
+    held = support.forces.of_motion(none[:1], none[:1], case.carried_by(level)[None])
+    borne = np.concatenate([support.forces.whole(held), _borne(case, omega, Y, first[0])])
+    return Lacks(moved[:, :nm], borne + support.forces.whole(load @ support.forces.drag))
+
+
+def _drag(case: Case, response: Response, numbers: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """|u|u (PHASES, nd ns) [N] of the water past the stations of a frame that moves with one wave, and at so many
+    times its frequency by modal rates (ne, nm)."""
     stations, frame = case.stations, case.system.structure
     flow = stations.flow((-1j * response.omega[:, None] * response.X[:, : frame.omega.size]).T).view(complex)
-    u = gaussian.one_period(flow.reshape(1, -1)).reshape(-1, *stations.on)
+    swings = (np.exp(-1j * np.outer(gaussian.PHASE, numbers)) @ rates).real @ stations.shape
+    u = (gaussian.one_period(flow.reshape(1, -1)) - swings).reshape(-1, *stations.on)
     if stations.stream is not None:
         u = u + stations.stream
     force = frame.drag * np.linalg.norm(u, axis=1, keepdims=True) * u

@@ -16,6 +16,7 @@ from solver.frequency.outputs import frame_forces
 from solver.frequency.response import respond, respond_in
 from solver.frequency.rotation import mean_shift, resonant, slow_motions
 from solver.frequency.run import NO_BALANCE
+from solver.frequency.steps import Steps
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from solver.record.response import carried, in_waves
@@ -297,7 +298,7 @@ def test_of_what_is_linear_few_rounds_are_enough():
     """Where three ways grow, that many differences find what agrees, however long each is."""
     growth, of = np.diag([1.5, -1.3, -0.8, 0.0]), np.array([1.0, 2e3, 3.0, 4.0])
     turn = np.linalg.qr(np.vander([1.0, 2.0, 3.0, 4.0]))[0]
-    x, steps = np.zeros((1, 2), complex), harmonics._Steps(np.array([1.0, 1e-3]))
+    x, steps = np.zeros((1, 2), complex), Steps(np.array([1.0, 1e-3]))
     for _ in range(5):
         found = ((turn @ growth @ turn.T) @ x.view(float)[0] + of).view(complex)[None]
         x = steps.after(x, found)
