@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from solver.balance import moored_at
+from solver.balance import FLUSH, UNDER, moored_at
 from solver.hydrodynamics.hull.swing import inside
 from solver.limits import ROUGH, BeyondSeries
 from solver.mooring import line_pulls
@@ -137,6 +137,21 @@ def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -
                     f"floats.{f.name}: the std of {axis} is {angle:.2g} rad, and linear pressure is one of small"
                     " angles: what they leave out goes with their square, and is no part of the estimated error"
                 )
+
+
+def bared(floats: Sequence[Float], moved: np.ndarray) -> Iterator[str]:
+    """A sentence for each float of which a third of waves moves the surface past it, by `moved` (nb,), beyond an end of
+    its hull."""
+    for f, far in zip(floats, moved, strict=True):
+        above = f.hull.freeboard if f.hull.closed and abs(f.hull.freeboard) > FLUSH * f.hull.draft else np.inf
+        ends = {UNDER: -above} if above < 0 else {"draft": f.hull.draft, "freeboard": above}
+        end = min(ends, key=ends.__getitem__)
+        if far > ends[end]:
+            yield (
+                f"floats.{f.name}: a third of waves moves the surface past it by {far:.3g} m, beyond its {end} of"
+                f" {ends[end]:.3g} m, and linear pressure knows no end of a hull: no part of the estimated error, but"
+                ' solver.method = "time" has it, with body-nonlinear forces'
+            )
 
 
 def drag_driven(factor: float, shaken: float, wear: float) -> Iterator[str]:

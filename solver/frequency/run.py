@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.coupled.assembly import joint_law
+from solver.coupled.linear import jacobian
 from solver.frequency import drift, gaussian, ringing
 from solver.frequency.bent import fastest
 from solver.frequency.case import Case, case_of
@@ -43,8 +44,9 @@ from solver.record.fatigue import crossing_rate
 from solver.record.probe import UNTOLD, knows_finer, with_tables
 from solver.record.spectra import bands, crossings, moments
 from solver.record.steel import Steel
-from solver.remarks import beyond_tables, drag_driven, of_motions, pulled, skewed, stopped
+from solver.remarks import bared, beyond_tables, drag_driven, of_motions, pulled, skewed, stopped
 from solver.scene import Scene, require_waves
+from solver.sea.field import wave_field
 from solver.statistics import FAINT
 
 NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
@@ -175,6 +177,7 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
         *case.warnings,
         *idle(scene),
         *of_motions(scene, case.channels.axes, tables, case.system.joints_at_rest),
+        *bared(scene.floats, _past(case, response)),
         *_beyond_tables(of),
         *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),
@@ -187,6 +190,15 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
         *(() if slipping else doubts(scene.settings, errors)),  # that something slips says why by itself
     ]
     return errors, notes
+
+
+def _past(case: Case, response: Response) -> np.ndarray:
+    """By how much the surface moves past each float's reference point (nb,) [m] in a third of waves, or in the one."""
+    scene, (body, _, rest), waves = case.system.scene, case.system.resting.value, case.waves.size
+    sea = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
+    surface = sea.elevation(np.array([f.centre for f in scene.floats]).reshape(-1, 3))[:, case.met]
+    up = jacobian(body, rest)[:, 2] @ response.Z[:waves].T
+    return (np.sqrt(2) if waves == 1 else 2) * gaussian.spread((up - surface).T)
 
 
 def _beyond_tables(of: _Solved) -> tuple[str, ...]:

@@ -16,6 +16,10 @@ from solver.frequency.case import case_of
 from solver.frequency.condensed import LANES, Condensed, _lanes, _side_by_side
 from solver.frequency.gaussian import Process
 from solver.frequency.response import respond
+from solver.frequency.run import _past
+from solver.hydrodynamics.hull.revolution import Revolution
+from solver.hydrodynamics.hull.ring import ring
+from solver.remarks import bared
 from solver.run import simulate
 from solver.scene import Settings
 from solver.sea.realization import components, regular
@@ -546,3 +550,33 @@ def test_lines_that_no_wave_makes_widen_the_sum_of_those_of_waves():
     assert values.std(axis=0) == approx([np.sqrt(5.25 / 2), np.sqrt(0.5)], rel=1e-3)
     told, random = (gaussian.table(np.ones(2), X, process) for process in (of, Process(omega, of.duration)))
     assert told[0] == approx(gaussian.tabulated([1 + values])[0]) and told[1] == approx(random[1])
+
+
+@pytest.mark.parametrize(("Hs", "said"), [(1.3, "beyond its freeboard of 0.6 m"), (1.1, ""), (2.2, "0.6 m")])
+def test_a_surface_that_moves_past_an_end_of_a_hull_is_told(Hs, said):
+    """By half the significant height past what a damper holds: past what follows long waves by next to nothing."""
+    item, h = SCENES["oblique"]()
+    waves = sea(Hs=Hs, heading=np.pi / 6)
+    size = 2 * gaussian.spread(waves.amplitude[:, None])[0]
+    held = replace(item, sea=waves, floats=tuple(replace(f, pto_damping=1e12) for f in item.floats))
+    told = frequency(held, h).attrs.get("warnings", "")
+    assert (f"by {size:.3g} m, beyond" in told) == bool(said) and said in told
+    of = case_of(linear(held, method="frequency"), h)
+    assert _past(of, respond(linear(held, method="frequency"), h)) == approx(size, rel=1e-3)
+    ball, known = SCENES["soft_mooring"]()
+    free = linear(replace(ball, sea=regular(height=4.0, period=18.0, heading=0.0)), method="frequency")
+    assert _past(case_of(free, known), respond(free, known)) < 0.2  # of 2 m
+
+
+def test_each_end_of_a_hull_is_named():
+    item, _ = SCENES["oblique"]()
+    hulls = [
+        item.floats[0].hull,
+        Revolution.vertical_cylinder(radius=1.0, draft=0.4, freeboard=0.9),
+        ring(((0.2, -3.0), (1.0, -3.0), (1.0, -0.7), (0.2, -0.7))),
+    ]
+    floats = [replace(item.floats[0], hull=hull) for hull in hulls]
+    told = list(bared(floats, np.array([0.65, 0.45, 0.75])))
+    ends = ("freeboard of 0.6 m", "draft of 0.4 m", "top's depth of 0.7 m")
+    assert [end in words for words, end in zip(told, ends, strict=True)] == [True] * 3
+    assert not list(bared(floats, np.array([0.55, 0.35, 0.65])))
