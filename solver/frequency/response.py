@@ -8,7 +8,7 @@ import numpy as np
 from solver.coupled import linear_drag
 from solver.coupled.linear import LinearModel
 from solver.errors import SimulationFailed
-from solver.frequency import gaussian, left, overtones, shape
+from solver.frequency import gaussian, left, overtones, shape, yielding
 from solver.frequency.bent import pto_load, rate_load
 from solver.frequency.case import Case, case_of
 from solver.frequency.condensed import Condensed
@@ -76,7 +76,7 @@ def respond(scene: Scene, hydrodynamics: Hydrodynamics | None) -> Response:
 def respond_in(case: Case, law: JointLaw) -> Response:
     """To a case's sea, with the law of its joints."""
     model, omega = case.model, case.omega
-    last, excess = _shaped(case, law)
+    last, excess, h = _shaped(case, law)
     nm = model.modes.shape[1]
     X, drag = last.X.T, _borne(case, last) if case.stations.size else _no_drag(case)
     wrench = model.loads(omega, X, case.impedance, case.excitation)
@@ -93,7 +93,7 @@ def respond_in(case: Case, law: JointLaw) -> Response:
         rounds=last.rounds,
         mean=_mean(case, last.rate[:nm]),
         mesh_effect=_mesh_effect(case, law, last, wrench),
-        linearisation_effect=_linearisation_effect(case, law, last, excess[0], wrench),
+        linearisation_effect=_linearisation_effect(case, law, last, (excess[0], h), wrench),
         bends=last.bends,
         excess=excess,
         stuck=last.stuck,
@@ -129,18 +129,18 @@ class _Round:
     rounds: int
 
 
-def _shaped(case: Case, law: JointLaw) -> tuple[_Round, np.ndarray]:
-    """The round whose dampers are by rates as these are distributed; their excess (2, nj)."""
+def _shaped(case: Case, law: JointLaw) -> tuple[_Round, np.ndarray, np.ndarray]:
+    """The round whose dampers are by rates as these are distributed; their excess (2, nj), and h (nj,): see shape."""
     nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
     last = _agreed(case, law, np.zeros((2, nc + len(case.model.mass) - nm)))
-    excess = _excess(case, law, last)
+    excess, h = _excess(case, law, last)
     for _ in range(SHAPED if excess.any() else 0):
         sigma, kappa = (np.concatenate([np.zeros(nc), x]) for x in (gaussian.spread(last.rate[nm:].T), excess[0]))
         last, before = _agreed(case, law, shape.more_damping(law, sigma, kappa)), excess
-        excess = _excess(case, law, last)
+        excess, h = _excess(case, law, last)
         if np.all(np.abs(excess - before) <= ALIKE):
             break
-    return last, excess
+    return last, excess, h
 
 
 def _agreed(case: Case, law: JointLaw, more: np.ndarray) -> _Round:
@@ -217,28 +217,32 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) ->
     )
 
 
-def _excess(case: Case, law: JointLaw, last: _Round) -> np.ndarray:
-    """Kurtosis of the joints' rates and motions (2, nj) beyond a Gaussian's; of one wave, and of axes that are held,
-    none."""
+def _excess(case: Case, law: JointLaw, last: _Round) -> tuple[np.ndarray, np.ndarray]:
+    """Kurtosis of the joints' rates and motions (2, nj) beyond a Gaussian's, and h (nj,); of one wave, and of axes that
+    are held, none."""
     nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
     rate, joints = last.rate[nm:], ((of_axes.drag(law)[nc:] > 0) | last.bends) & ~last.stuck
     mobility = np.zeros(rate.shape, complex)
     if rate.shape[1] == 1 or not joints.any():
-        return np.zeros((2, len(rate)))
+        return np.zeros((2, len(rate))), np.zeros(len(rate))
     for j in np.flatnonzero(joints):
         force = np.zeros(last.X.shape, complex)
         force[nm + j] = 1.0
         mobility[j] = -1j * case.omega * case.equation.response(force, last.damping)[nm + j]
     lines = np.zeros((nc, rate.shape[1]))
-    return shape.excess(law, case.omega, *(np.concatenate([lines, x]) for x in (rate, mobility)))[:, nc:]
+    excess, h = shape.excess(law, case.omega, *(np.concatenate([lines, x]) for x in (rate, mobility)))
+    return excess[:, nc:], h[nc:]
 
 
-def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.ndarray, wrench: np.ndarray) -> float:
+def _linearisation_effect(
+    case: Case, law: JointLaw, last: _Round, of_rates: tuple[np.ndarray, np.ndarray], wrench: np.ndarray
+) -> float:
     """Relative error of the response's std and power by what linear damping leaves of the joints' loads by rate.
 
     That goes with no rate in the mean, moves the axis as a force of the rate's spectrum about that and of its own below
     the waves, and adds to the variance of the motions: so marches tell, and they agree within a factor of 3. See
-    response_error. Besides, what it is beyond the third order gives the rate a shape that no kurtosis tells.
+    response_error. Besides, what it is beyond the third order gives the rate a shape that no kurtosis tells; where all
+    orders matter, yielding is more. of_rates: kurtosis and h (nj,) of the joints' rates, see shape.
     """
     nm, nc = case.model.modes.shape[1], case.system.structure.carrier.shape[0]
     if not (of_axes.drag(law).any() or last.bends.any()):
@@ -247,7 +251,7 @@ def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.nd
         return _by_overtones(case, law, last, wrench)
     rate = last.rate[nm:]
     rms = np.concatenate([np.zeros(nc), lengths(rate) / np.sqrt(2)])
-    kappa = np.concatenate([np.zeros(nc), excess])
+    kappa, h = (np.concatenate([np.zeros(nc), x]) for x in of_rates)
     rest = linearised.rest(law, rms, shape.warped(linearised.GAUSSIAN[:, None], kappa))
     share = np.divide(rest, rms, out=np.zeros(rms.size), where=rms > 0)[nc:]
     force = np.zeros(last.X.shape, complex)
@@ -258,7 +262,9 @@ def _linearisation_effect(case: Case, law: JointLaw, last: _Round, excess: np.nd
     slowly, slow = left.slow_motions(case, rate_load(law, nc + which), nm + which, rate[which].T, last.damping)
     waves, both = np.pad(last.X, ((0, 0), (0, slowly.size))), np.concatenate([grown * last.X, slow], axis=1)
     moved = response_error(case.system, law, np.append(case.omega, slowly), both.T, waves.T)
-    return moved + shape.power_error(law, rms, kappa)
+    told = moved + shape.power_error(law, rms, kappa)
+    yields = np.concatenate([np.zeros(nc, bool), last.bends & ~last.stuck])
+    return max(told, yielding.power_error(law, rms * yields, kappa, h)) if yields.any() else told
 
 
 def _by_overtones(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) -> float:

@@ -27,26 +27,31 @@ TALLEST = 4.0  # kurtosis up to which that series is a density
 TINY = 1e-9
 
 
-def excess(law: JointLaw, omega: np.ndarray, V: np.ndarray, mobility: np.ndarray) -> np.ndarray:
-    """κ (2, n) of rates of lines V (n, nw), and of their motions, of axes with a law, H (n, nw) [m/N s] of each."""
+def excess(law: JointLaw, omega: np.ndarray, V: np.ndarray, mobility: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """κ (2, n) of rates of lines V (n, nw), and of their motions, of axes with a law, H (n, nw) [m/N s] of each.
+
+    And h (n,), the first mean of Re H, with that at the highest line for all beyond: see yielding.
+    """
     sigma = gaussian.spread(V.T)
     x = gaussian.SIZES[:, None]
-    third = gaussian.WEIGHTS @ (_loads(law, x * sigma).sum(axis=0) * (x**3 - 3 * x)) / 6  # a₃σ³
-    kappa = np.zeros((2, sigma.size))
+    third = gaussian.WEIGHTS @ (rate_loads(law, x * sigma).sum(axis=0) * (x**3 - 3 * x)) / 6  # a₃σ³
+    kappa, h, highest = np.zeros((2, sigma.size)), np.zeros(sigma.size), np.argmax(omega)
     for i in np.flatnonzero(sigma > 0):
-        kappa[:, i] = -24 * third[i] / sigma[i] * _mean_mobilities(omega, np.abs(V[i]) ** 2, mobility[i].real)
-    return np.where(kappa < 0, kappa / (1 - kappa / 2), np.minimum(kappa, TALLEST))
+        means, within = _mean_mobilities(omega, np.abs(V[i]) ** 2, mobility[i].real)
+        kappa[:, i] = -24 * third[i] / sigma[i] * means
+        h[i] = means[0] + (1 - within) * mobility[i, highest].real
+    return np.where(kappa < 0, kappa / (1 - kappa / 2), np.minimum(kappa, TALLEST)), h
 
 
 def more_damping(law: JointLaw, sigma: np.ndarray, kappa: np.ndarray) -> np.ndarray:
     """By how much more of it power take-offs damp, and quadratic dampers (2, n), for κ (n,) of rates of std σ (n,)."""
     x = gaussian.SIZES[:, None]
-    taken = x * _loads(law, x * sigma)[0]
+    taken = x * rate_loads(law, x * sigma)[0]
     usual, shaped = (np.sum(weights * taken, axis=0) for weights in (gaussian.WEIGHTS[:, None], density(kappa)))
     return np.stack([np.divide(shaped - usual, usual, out=np.zeros(usual.shape), where=usual > 0), kappa / 8])
 
 
-def _loads(law: JointLaw, rates: np.ndarray) -> np.ndarray:
+def rate_loads(law: JointLaw, rates: np.ndarray) -> np.ndarray:
     """(2, m, n) of power take-offs, and all else by rate, at rates (m, n): of either sense the mean."""
     there, back = (joint_loads(law, np.zeros(rates.shape), v) for v in (rates, -rates))
     return np.stack((there.pto - back.pto, there.loss - back.loss)) / 2
@@ -58,18 +63,21 @@ def density(kappa: np.ndarray) -> np.ndarray:
     return np.asarray(gaussian.WEIGHTS[:, None] * (1 + kappa / 24 * (x**4 - 6 * x**2 + 3)))
 
 
-def _mean_mobilities(omega: np.ndarray, square: np.ndarray, H: np.ndarray) -> np.ndarray:
+def _mean_mobilities(omega: np.ndarray, square: np.ndarray, H: np.ndarray) -> tuple[np.ndarray, float]:
     """(2,) of H (nw,) over the sums of three lines |v|² (nw,) of either sign, even and odd; none is known beyond the
-    lines."""
+    lines. And the even ones' share that is not beyond."""
     edges = np.linspace(0.0, omega.max(), BINS + 1)
     at, order = (np.arange(2 * BINS) - BINS + 0.5) * edges[1], np.argsort(omega)  # about zero, half a bin off
     there = np.interp(np.abs(at), omega[order], H[order], left=0.0)
-    means = []
+    sums = []
     for share, sense, heard in ((square, 1, there), (square / omega, -1, -there / at)):
         power = np.histogram(omega, edges, weights=share)[0]
         both = np.concatenate([sense * power[::-1], power]) / 2
-        means.append(np.convolve(np.convolve(both, both), both)[2 * BINS - 1 : 4 * BINS - 1] @ heard)
-    return np.array(means) / square.sum() / [square.sum() ** 2, np.sum(square / omega**2) ** 2]
+        seen = np.convolve(np.convolve(both, both), both)[2 * BINS - 1 : 4 * BINS - 1]
+        sums.append((seen @ heard, seen.sum()))
+    (even, within), (odd, _) = sums
+    size, cube = np.sum(square / omega**2), square.sum() ** 3
+    return np.array([even / cube, odd / (square.sum() * size**2)]), within / cube
 
 
 def power_error(law: JointLaw, sigma: np.ndarray, kappa: np.ndarray) -> float:
@@ -82,7 +90,7 @@ def power_error(law: JointLaw, sigma: np.ndarray, kappa: np.ndarray) -> float:
     """
     x = gaussian.SIZES[:, None]
     rates = x * sigma
-    f, power = _loads(law, rates).sum(axis=0), joint_loads(law, np.zeros(rates.shape), rates).pto * rates
+    f, power = rate_loads(law, rates).sum(axis=0), joint_loads(law, np.zeros(rates.shape), rates).pto * rates
     linear, third = (gaussian.WEIGHTS @ (f * order) for order in (x, x**3 - 3 * x))
     left = gaussian.WEIGHTS @ f**2 - linear**2
     beyond = 1 - np.divide(third**2 / 6, left, out=np.ones(left.size), where=left > third**2 / 6)

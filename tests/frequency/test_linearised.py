@@ -8,8 +8,8 @@ import pytest
 from pytest import approx
 
 from solver.coupled.assembly import joint_law
+from solver.frequency import gaussian, shape, yielding
 from solver.frequency.response import respond
-from solver.frequency.shape import excess
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.multibody.linearised import EVEN, GAUSSIAN, rest
 from solver.power_takeoff import PtoTable
@@ -103,6 +103,19 @@ def cylinder():
     settings = LONG | {"duration": 1500.0, "discard": 20.0, "ramp": 5.0}
     whole = scene([item], depth=np.inf, waves=sea(Hs=0.05, Tp=1.1, band=(3.0, 14.0)), **settings)
     return whole, known(whole, 2.5, 20.0, 40)
+
+
+GIVING = PtoTable(velocity=(0.0, 0.0125, 0.025, 0.05, 0.1, 0.3), force=(0.0, 1.5e4, 2.56e4, 3.4e4, 3.84e4, 4e4))
+GIVES = [
+    (hinged, {"pto_table": GIVING}), (hemisphere, {"pto_damping": 4e5, "force_limit": 8e4}),
+    (hemisphere, {"pto_damping": 1e6, "force_limit": 8e4}), (cylinder, {"pto_damping": 200.0, "force_limit": 4.0}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("build", "law"), GIVES)
+def test_groups_of_waves_that_a_damper_gives_way_to_are_told(build, law):
+    """It holds the axis but in these, in which motions grow by up to as much again."""
+    compare(*given(build, law, one=False))
 
 
 EASING = PtoTable(velocity=(0.0, 0.0045, 0.018, 0.054, 0.134), force=(0.0, 2.4, 6.4, 11.2, 14.4))
@@ -287,9 +300,57 @@ def test_the_third_cumulant_of_a_load_is_that_of_a_gaussian_rate(law, third):
     V = np.zeros((1, omega.size), complex)
     V[0, :40] = np.sqrt(2 / 40)  # of which three add to no more than the highest
     item = heaving("a", 3.0, **({"pto_damping": 0.0} | law))
-    kappa = excess(joint_law((item,)), omega, V, np.full((1, omega.size), H))[0]
+    (kappa, _), h = shape.excess(joint_law((item,)), omega, V, np.full((1, omega.size), H))
     expected = -24 * third * H
     assert kappa == approx(expected / (1 - expected / 2) if expected < 0 else expected, rel=2e-3, abs=1e-9)
+    assert h == approx(H, rel=2e-3)
+    V[0, :] = 0.1  # of which three add to more than that
+    assert shape.excess(joint_law((item,)), omega, V, np.full((1, omega.size), H))[1] == approx(H, rel=2e-3)
+
+
+@pytest.mark.parametrize("kappa", [-0.4, 0.4])
+def test_what_no_kurtosis_tells_of_power_is_what_is_beyond_the_third_order(kappa):
+    """Of friction, σ_P² = 1 - ⟨|x|⟩², ⟨|x|⟩ = √(2/π)(1 - κ/24): 1 - 1/(3π)/(1 - 2/π) of the change, and κ/2 if > 0."""
+    law = joint_law((heaving("a", 3.0, pto_damping=0.0, coulomb=5.0),))
+    changed = np.sqrt((1 - 2 / np.pi * (1 - kappa / 24) ** 2) / (1 - 2 / np.pi)) - 1
+    share = 1 - 1 / (3 * np.pi) / (1 - 2 / np.pi) + max(kappa, 0.0) / 2
+    assert shape.power_error(law, np.array([2.0]), np.array([kappa])) == approx(share * abs(changed), rel=1e-3)
+
+
+def yielded(h, size=1.0, kappa=0.0, **law):
+    """Rates and error told of one axis, rates of std `size`."""
+    item = heaving("a", 3.0, **({"pto_damping": 0.0} | law))
+    of = joint_law((item,)), np.array([size]), np.array([kappa]), np.array([h])
+    return yielding.yielded(*of)[:, 0] / size, yielding.power_error(*of)
+
+
+def test_rates_yield_as_their_loads_do():
+    """Not at all of a linear load, nor of one that moves nothing; of friction F by v = (u - hF)/(1 - hc), c = √(2/π) F
+    of rates of std 1, from where it lets go."""
+    u, F, h = gaussian.SIZES, 2.0, 0.4
+    for rates, told in (yielded(0.1, 3.0, pto_damping=5.0), yielded(0.0, 3.0, pto_damping=50.0, force_limit=20.0)):
+        assert rates == approx(u, rel=1e-9) and told == approx(0.0, abs=1e-9)
+    c = np.sqrt(2 / np.pi) * F
+    exact = ((u - h * F) / (1 - h * c)).clip(min=0.0)
+    rates, told = yielded(h, coulomb=F)
+    assert rates == approx(exact, abs=0.04)  # one step of the rates that are looked at
+    mean, gaussians = F * (gaussian.WEIGHTS @ exact), F * np.sqrt(2 / np.pi)
+    rms = F * np.sqrt(gaussian.WEIGHTS @ exact**2)
+    std = np.sqrt(rms**2 - mean**2)
+    usual = np.array([gaussians / rms - mean / rms, F / rms - 1, np.sqrt(F**2 - gaussians**2) / std - 1])
+    assert told == approx(np.abs(usual).max(), rel=0.02)
+    c *= 1 + 1 / 24  # of rates that are flatter
+    flatter, _ = yielded(h, kappa=-1.0, coulomb=F)
+    assert flatter == approx(((u - h * F) / (1 - h * c)).clip(min=0.0), abs=0.04)
+    assert yielded(0.0, kappa=-1.0, pto_damping=1.0)[1] == approx(1 - np.sqrt(0.5), rel=0.01)  # ⟨v⁴⟩ = 2, in place of 3
+
+
+def test_of_small_loads_rates_yield_by_the_kurtosis_of_first_order():
+    """κ = -24 a₃σ² h, where a₃σ² = √(2/π)/3 Bσ of B|v|v."""
+    h, size = 1e-3, 3.0
+    rates, _ = yielded(h, size, quadratic_damping=1.0)
+    kurtosis = gaussian.WEIGHTS @ rates**4 / (gaussian.WEIGHTS @ rates**2) ** 2 - 3
+    assert kurtosis == approx(-8 * np.sqrt(2 / np.pi) * size * h, rel=0.02)
 
 
 def test_arms_that_friction_holds_do_not_turn():
