@@ -236,8 +236,8 @@ class Filming:
         return start + step * np.arange(count), pause
 
 
-def answer(study: Study, path: Path, between: str) -> Path:
-    """Print the answers of the dataset at `path`, and write them beside it."""
+def answer(study: Study, path: Path, between: str) -> tuple[Path, str]:
+    """Print the answers of the dataset at `path`, and write them beside it; how many tasks are in which state."""
     from pipeline.report import answers, report
     from pipeline.report.tables import show
     from pipeline.results import dataset
@@ -255,7 +255,7 @@ def answer(study: Study, path: Path, between: str) -> Path:
             say(f"--between = {between}: no differences, which need a realization in common in every sea state")
         with appearing(written) as part:
             to_file(part, answers.variables(found), found.attrs)
-    return written
+    return written, found.attrs["tasks"]
 
 
 def _table(study: Study, path: Path) -> str:

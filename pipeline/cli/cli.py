@@ -363,7 +363,8 @@ def answers(
     """Print what a study is for, and write results/<study>/answers.nc: energy, life, differences, with intervals."""
     study = load(study_file)
     path = _up_to_date(study, results)
-    say(str(actions.answer(study, path, between)))
+    written, states = actions.answer(study, path, between)
+    say(f"{written}: {states}")
 
 
 @app.command()

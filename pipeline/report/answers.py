@@ -10,6 +10,8 @@ import contextlib
 from collections.abc import Hashable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from pipeline.report.best import power_in
 from pipeline.report.energy import powers
 from pipeline.report.life import AT, lives
@@ -27,14 +29,14 @@ from pipeline.report.yearly import (
     sea_keys,
     weighed,
 )
-from pipeline.results.dataset import with_coordinates
+from pipeline.results.dataset import once, with_coordinates
 from pipeline.results.netcdf import Variable
 
 if TYPE_CHECKING:
     import xarray as xr
 
 TITLE = "Differences in the same waves"
-NOTE = f"Mean over realizations and sea states; low and high: {LEVEL:.0%} by Student's t of realizations' differences."
+NOTE = f"{{}}; low and high: {LEVEL:.0%} by Student's t of realizations' differences."
 DIFFERENCE = "_difference"
 ESTIMATE = f"Mean, and the ends of its interval ({LEVEL:.0%}), which are missing where nothing tells it"
 TASKS = ("sea_state", "seed")
@@ -61,10 +63,12 @@ def answers(data: xr.Dataset, pair: Pair | None) -> xr.Dataset:
     far as a collected dataset has them, and `<quantity>_difference` of a pair."""
     import xarray as xr
 
-    data, found = weighed(data), dict[str, xr.DataArray]()
-    seas = "by their occurrence" if "occurrence" in data.coords else "which all count alike"
-    comment = f"Mean over realizations and sea states, {seas}"
+    known, data, found = "occurrence" in data.coords, weighed(data), dict[str, xr.DataArray]()
+    unknown = known and "occurrence" not in data.coords  # how often what an axis makes of the sea states comes
+    comment = _averaged(data)
     for name, (each, units, long_name) in _quantities(data):
+        if unknown and name == "annual_energy":
+            continue
         attrs = {"units": units, "long_name": long_name, "comment": comment}
         left_out = {"units": "1", "long_name": "Number of realizations that failed, which are in no mean"}
         failed = failures(each).assign_attrs(left_out)
@@ -84,8 +88,19 @@ def answers(data: xr.Dataset, pair: Pair | None) -> xr.Dataset:
             first, second = (f"{pair.axis}={named[label]}" for label in pair.labels)
             told = {"first": first, "second": second, "long_name": f"{long_name}: first less second, in the same waves"}
             found[f"{name}{DIFFERENCE}"] = over_seas(one - other, data).assign_attrs(attrs | told)
-    kept = {name: data.attrs[name] for name in KEPT if name in data.attrs}
+    kept = {name: data.attrs[name] for name in KEPT if name in data.attrs} | {"tasks": states(data)}
     return xr.Dataset(found, {"estimate": list(ESTIMATES)}, kept)
+
+
+def _averaged(data: xr.Dataset) -> str:
+    seas = "by their occurrence" if "occurrence" in data.coords else "which all count alike"
+    return f"Mean over realizations and sea states, {seas}"
+
+
+def states(data: xr.Dataset) -> str:
+    """How many tasks of a collected dataset are in which state."""
+    words, counts = np.unique(data["status"].values[once(data["task"].values)], return_counts=True)
+    return ", ".join(f"{n} {word}" for word, n in zip(words, counts, strict=True))
 
 
 def _quantities(data: xr.Dataset) -> Iterator[tuple[str, _Quantity]]:
@@ -143,14 +158,15 @@ def _known(word: str, known: Mapping[str, Any]) -> str:
 def table(found: xr.Dataset) -> Table:
     """Of the differences."""
     lines: list[tuple[str, ...]] = []
-    title = TITLE
+    title, comment = TITLE, ""
     for name, of in found.data_vars.items():
         if "second" in of.attrs:
             title = f"{TITLE}: {of.attrs['first']} less {of.attrs['second']}"
             for labels, place in cells(of, ["estimate"]):
                 quantity = f"{str(name).removesuffix(DIFFERENCE)} [{of.attrs['units']}]"
                 lines.append((", ".join(labels), quantity, *texts(of.isel(place).values)))
-    return Table(title, ("", "difference of", *ESTIMATES), lines, NOTE)
+                comment = of.attrs["comment"]
+    return Table(title, ("", "difference of", *ESTIMATES), lines, NOTE.format(comment))
 
 
 def variables(found: xr.Dataset) -> dict[str, Variable]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import Any, NamedTuple
 
@@ -291,7 +291,7 @@ def _spectral(of: dict[str, str], pattern: str, words: str) -> dict[str, str]:
     return {**units, "long_name": f"{words}: {of['long_name']}"}
 
 
-def meaning_of(axis: Axis, motions: Mapping[str, Collection[str]]) -> dict[str, str]:
+def meaning_of(axis: Axis, motions: Mapping[str, Sequence[str]]) -> dict[str, str]:
     """Attributes of a dimension over keys: unit and path of its only key; motions: of each float's joint."""
     if axis.name in COORDINATES and not any(" or " in unit(path) for path in axis.keys):  # which goes by the motions
         attrs = COORDINATES[axis.name].attrs()
@@ -302,7 +302,7 @@ def meaning_of(axis: Axis, motions: Mapping[str, Collection[str]]) -> dict[str, 
     return of_path(next(iter(axis.keys)), axis.labels, motions)
 
 
-def along(axis: Axis, motions: Mapping[str, Collection[str]]) -> Iterator[tuple[str, tuple[Any, ...], dict[str, str]]]:
+def along(axis: Axis, motions: Mapping[str, Sequence[str]]) -> Iterator[tuple[str, tuple[Any, ...], dict[str, str]]]:
     """Name, values and attributes of what changes together along a dimension."""
     for path, values in axis.keys.items():
         if not axis.own and path not in axis.partial:
@@ -314,18 +314,20 @@ def along(axis: Axis, motions: Mapping[str, Collection[str]]) -> Iterator[tuple[
         yield name, labels(values), {"long_name": name.replace("_", " "), **unit_of}
 
 
-def of_path(path: str, shown: Sequence[object], motions: Mapping[str, Collection[str]]) -> dict[str, str]:
+def of_path(path: str, shown: Sequence[object], motions: Mapping[str, Sequence[str]]) -> dict[str, str]:
     """Attributes of values of a key; motions: of each float's joint, by which the key's unit may go."""
     attrs = {"long_name": f"{last(path).replace('_', ' ')} ({path})"}
     if isinstance(shown[0], str):
         return attrs
     turning, _, sliding = unit(path).partition(" or ")
-    if "." in last(path) and (sliding or "," in turning):
-        return attrs  # a place of a list whose numbers have several units
+    place = last(path).rpartition(".")[2]
+    if place.isdecimal() and "," in turning:
+        return attrs  # a list whose numbers have several units
     which = path.split(".")[1] if path.startswith("floats.") else ""  # a name, or a pattern of several
     own = [of for name, of in motions.items() if fnmatchcase(name, which)]
-    along = {axis for each in own or motions.values() for axis in each}
-    if sliding and along & SLIDING and along - SLIDING:
+    one = slice(int(place), int(place) + 1) if place.isdecimal() else slice(None)
+    along = {axis for each in own or motions.values() for axis in each[one]}
+    if sliding and ((along & SLIDING and along - SLIDING) or (place.isdecimal() and not along)):
         return attrs  # some of the axes turn and some slide
     return {"units": udunits(sliding if sliding and along <= SLIDING else turning), **attrs}
 

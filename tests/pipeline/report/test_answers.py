@@ -26,6 +26,7 @@ def dataset(**coords):
             "wave_power": (dims[:3], np.broadcast_to(np.array([50.0, 90.0])[:, None, None], (2, 3, 2))),
             "damage": ((*dims[:3], "leg", "fibre"), power[..., :1, None] * 1e-9),
             "status": (dims[:3], np.full((2, 3, 2), "done", dtype="U8")),
+            "task": (dims[:3], np.arange(12).reshape(2, 3, 2).astype("U16")),
         },
         {
             "statistic": ["mean"], "float": ["front", "rear"], "pto_damping": [1e5, 2e5], "leg": [1], "fibre": [1],
@@ -45,6 +46,7 @@ def test_quantities_are_those_of_the_tables():
     assert found.life.values == approx(steel.life.values) and found.damage.values == approx(steel.damage.values)
     assert not [name for name in found if "difference" in str(name)] and found.attrs["title"] == "Two dampings"
     assert found.estimate.values.tolist() == ["value", "low", "high"] and found.life.attrs["units"] == "s"
+    assert found.attrs["tasks"] == "12 done"
     assert all("comment" in answer.attrs for name, answer in found.items() if "estimate" in answer.dims), found
 
 
@@ -68,11 +70,23 @@ def test_a_difference_has_the_interval_of_differences_in_the_same_waves():
     assert not table(answers(data, None)).lines
 
 
+def test_no_year_is_told_of_seas_whose_occurrence_is_another():
+    """Of which an axis changes the height; without any occurrence all sea states count alike, which is said."""
+    data = dataset().rename(pto_damping="Hs")
+    data["Hs"] = ("Hs", [1.0, 2.0], {"long_name": "Hs (sea_states.*.Hs)"})
+    found = answers(data, None)
+    assert "annual_energy" not in found and found.mean_power.attrs["comment"].endswith("which all count alike")
+    assert "annual_energy" in answers(dataset().drop_vars("occurrence"), None)
+    told = table(answers(dataset().drop_vars("occurrence"), pair_of(dataset(), ""))).note
+    assert "sea states, which all count alike; low" in told
+
+
 def test_realizations_that_failed_are_counted():
     data = dataset().copy(deep=True)
     data.absorbed_power[0, 1, 1] = np.nan
     data.status[0, 1, 1] = "failed"
     found = answers(data, pair_of(data, ""))
+    assert found.attrs["tasks"] == "11 done, 1 failed"
     assert found.failed_realizations.sel({"float": "front"}).values.tolist() == [0, 1]
     assert found.mean_power_difference.sel({"float": "front", "estimate": "value"}) == approx(0.75 * 12 + 0.25 * 41)
 
@@ -138,5 +152,5 @@ def test_designs_that_meet_other_waves_have_no_difference():
 
 
 def test_a_dataset_without_power_or_damage_has_no_answers():
-    found = answers(dataset()[["wave_power", "status"]], None)
+    found = answers(dataset()[["wave_power", "status", "task"]], None)
     assert not found.data_vars and found.estimate.size == 3

@@ -213,6 +213,9 @@ def test_a_key_of_several_floats_has_the_unit_of_their_axes():
     for path, unit in (("floats.rotor-*.pto_damping", "N m s rad-1"), ("floats.base.damping", "N s m-1")):
         assert of_path(path, [1e5, 2e5], motions)["units"] == unit
     assert "units" not in of_path("floats.*.damping", [1e5, 2e5], motions)
+    motions = {"base": ("heave", "pitch"), "rotor": ("hinge",)}  # of which a place is that axis's
+    for place, unit in ((0, "N s m-1"), (1, "N m s rad-1"), (2, None)):
+        assert of_path(f"floats.base.damping.{place}", [1e5, 2e5], motions).get("units") == unit
 
 
 def test_motion_along_an_axis_has_its_unit(real):
