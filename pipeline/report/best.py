@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 POWERS = ("electrical_power", "absorbed_power")  # the first that there is: what a design is for
 SAME = 1e-6  # of the best power: by less two do not differ
 CHOSEN = ("pto_damping", "hinge_spacing")  # and any axis of the floats' keys
+UNCOUNTED = "no part of the estimated error"  # words of warnings
+BEYOND = "beyond"  # the variable that tells which tasks have those
+WARNED = " (warned)"
+OF_WARNED = " Warned: of a task of it `warnings` tell what is no part of its estimated error."
 TITLE = "Best in each sea state"
 NOTE = (
     f"Of all floats, mean over realizations; low and high: {LEVEL:.0%} by Student's t. All seas: by their occurrence."
@@ -108,6 +112,7 @@ def table(data: xr.Dataset) -> Table:
     lines = list(rows(data, variable, scale))
     alone = ALONE * ("discretization_error" in data and "Hs" in data.coords)  # of marches in random seas
     note = NOTE + (PAIRED if second else alone) + OF_ERRORS * ("estimated_error" in data) + remarks(lines)
+    note += OF_WARNED * any(WARNED in line[1] for line in lines)
     return Table(TITLE, (*first, *second, "realizations"), lines, note)
 
 
@@ -134,6 +139,7 @@ def rows(data: xr.Dataset, variable: str, scale: float = 1e3) -> Iterator[tuple[
             chosen = "any" if of.alike(*range(len(designs))) else ", ".join(_chosen(of))
             if chosen != "any" and (ties := of.ties):
                 chosen += f" (and {ties} alike)"
+            chosen += warned(some, of, of.at)
             chosen += " (all lose)" * bool(of.mean[of.at] < 0)
             if of.known < of.mean.size:
                 chosen += f" (of {of.known} among {of.mean.size})"
@@ -149,7 +155,11 @@ def platforms(data: xr.Dataset, variable: str) -> Iterator[tuple[list[str], xr.D
     total = powers(data, variable).isel(float=-1, drop=True).compute()
     designs = [dim for dim in total.dims if total.sizes[dim] > 1 and _is_design(data[dim])]
     for labels, place in cells(total, designs) if designs else ():
-        yield labels, total.isel(place).to_dataset(name=variable), designs
+        part = total.isel(place).to_dataset(name=variable)
+        if "warnings" in data:
+            told = data["warnings"].isel(place, missing_dims="ignore")
+            part[BEYOND] = told.copy(data=np.char.find(told.values.astype(str), UNCOUNTED) >= 0)
+        yield labels, part, designs
 
 
 def seas(part: xr.Dataset, variable: str) -> Iterator[tuple[str, xr.Dataset]]:
@@ -194,6 +204,11 @@ def _whole(numbers: np.ndarray) -> np.ndarray:
     has = ~np.isnan(numbers)
     whole = has == has.any(axis=tuple(range(has.ndim - 2)))  # not as many: two that failed in others met other waves
     return np.asarray(whole.all(axis=(-2, -1)))
+
+
+def warned(some: xr.Dataset, of: Compared, at: tuple[int, ...]) -> str:
+    """A mark of a design of which a task warns of what its estimated error does not count."""
+    return WARNED * (BEYOND in some and bool(some[BEYOND].isel(of.where(at), missing_dims="ignore").any()))
 
 
 def _next_best(of: Compared, scale: float) -> tuple[str, str]:

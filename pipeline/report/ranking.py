@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pipeline.report.best import ALONE, Compared, by_how_much, compared, one_of, platforms, power_in, seas
+from pipeline.report.best import (
+    ALONE,
+    OF_WARNED,
+    Compared,
+    by_how_much,
+    compared,
+    one_of,
+    platforms,
+    power_in,
+    seas,
+    warned,
+)
 from pipeline.report.energy import OF
 from pipeline.report.tables import MANY, Table, marked, prefix, remarks
 from pipeline.report.yearly import LEVEL, counted, weighed
@@ -38,6 +49,7 @@ class _Design(NamedTuple):
     at: tuple[int, ...]  # its place
     of: Compared
     each: xr.DataArray  # its power in every task
+    warned: str  # a mark
 
     @property
     def many(self) -> bool:
@@ -55,7 +67,8 @@ def table(data: xr.Dataset) -> Table:
     lines = [_line(design, scale) for design in many]
     header = "", "design", f"mean {OF[variable]} power [{unit}W]", f"less by [{unit}W]", "realizations"
     alone = ALONE * ("discretization_error" in data and "Hs" in data.coords and data.sizes.get("seed", 1) == 1)
-    return Table(TITLE, header, lines, NOTE + alone + remarks(lines))
+    note = NOTE + alone + remarks(lines) + OF_WARNED * any(design.warned for design in many)
+    return Table(TITLE, header, lines, note)
 
 
 def first(data: xr.Dataset, count: int = MANY) -> Iterator[_Design]:
@@ -73,7 +86,7 @@ def first(data: xr.Dataset, count: int = MANY) -> Iterator[_Design]:
             for rank, place in enumerate(order[: min(count, of.known)], start=1):
                 at = tuple(int(i) for i in np.unravel_index(place, of.mean.shape))
                 words = ", ".join(filter(None, [*labels, f"{sea}{among}", f"number {rank}"]))
-                yield _Design(words, at, of, some[variable].isel(of.where(at)))
+                yield _Design(words, at, of, some[variable].isel(of.where(at)), warned(some, of, at))
 
 
 def _line(design: _Design, scale: float) -> tuple[str, ...]:
@@ -81,7 +94,7 @@ def _line(design: _Design, scale: float) -> tuple[str, ...]:
     words = ", ".join(one_of(axis, place) for axis, place in zip(of.axes, at, strict=True))
     power, *_ = marked(of.found[at], of.off[at], scale)
     less = "-" if at == of.at else by_how_much(of, at, scale) + " undecided" * bool(of.undecided[at])
-    return design.words, words, power, less, counted(design.each)
+    return design.words, words + design.warned, power, less, counted(design.each)
 
 
 def block(study: StudyFile, data: xr.Dataset, count: int = MANY) -> str:

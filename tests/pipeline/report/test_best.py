@@ -5,8 +5,8 @@ import xarray as xr
 from pytest import approx
 from scipy import stats
 
+from pipeline.report.best import OF_WARNED, UNCOUNTED, table
 from pipeline.report.best import rows as rows_of
-from pipeline.report.best import table
 
 DAMPINGS = [1e5, 2e5, 4e5]
 
@@ -35,6 +35,18 @@ def test_each_sea_has_its_best_and_a_year_another():
     ]
     assert [line[0] for line in lines[3:]] == ["fixed, all seas", "fixed, mild", "fixed, rough"]
     assert all(line[-1] == "2" and float(line[3]) < float(line[2]) < float(line[4]) for line in lines)
+
+
+def test_the_best_that_is_warned_of_beyond_its_estimated_error_is_marked():
+    """In the sea where it is so, by one task of it; not by other warnings, nor by those of other designs."""
+    data = dataset([4, 3.9, 1], [1, 9, 9.5], occurrence=("sea_state", [3.0, 1.0])).isel(platform=0)
+    words = np.full((2, 3, 2), "", object)
+    words[1, 2, 1], words[0, 0], words[1, 1, 0] = f"it drifts: {UNCOUNTED}", "components repeat", UNCOUNTED
+    told = table(data.assign(warnings=(("sea_state", "pto_damping", "seed"), words)))
+    assert [line[1].partition(" (warned)")[1] for line in told.lines] == [" (warned)", "", " (warned)"]
+    assert OF_WARNED in told.note and OF_WARNED not in table(data).note
+    words[:, :] = ""
+    assert OF_WARNED not in table(data.assign(warnings=(("sea_state", "pto_damping", "seed"), words))).note
 
 
 def test_of_seas_that_nobody_said_the_occurrence_of_each_stands_by_itself():

@@ -10,6 +10,7 @@ from conftest import SMALL
 from pipeline.bridge.loading import load
 from pipeline.cli import cli
 from pipeline.report import figures, page
+from pipeline.report.best import OF_WARNED, UNCOUNTED
 from pipeline.report.ranking import block, table, toml
 from pipeline.report.tables import MANY
 from pipeline.tasks.task import cell, first_labels
@@ -50,6 +51,15 @@ def test_ten_of_many_designs_are_ranked_with_their_keys_and_what_they_lack():
     assert [line[3].split(" ")[0] for line in told.lines[:3]] == ["-", "0.5", "1"]
     assert [line[3].endswith("undecided") for line in told.lines] == [False, False, True, *[False] * 7]
     assert told.header[1:3] == ("design", "mean absorbed power [kW]") and told.lines[0][-1] == "2"
+
+
+def test_designs_that_are_warned_of_are_marked():
+    data = dataset(np.arange(COUNT), **OFTEN)
+    words = np.full((2, COUNT, 2), "", object)
+    words[0, COUNT - 2, 1] = UNCOUNTED
+    told = table(data.assign(warnings=(("sea_state", "sample", "seed"), words)))
+    assert [line[1].endswith("(warned)") for line in told.lines] == [n == 1 for n in range(MANY)]
+    assert told.note.endswith(OF_WARNED)
 
 
 def test_without_occurrence_each_sea_has_its_ten():
