@@ -46,15 +46,17 @@ def paths(study: StudyFile) -> Iterator[InputError]:
             if taken(name := word.partition(" ")[0]) or words[name] > 1:
                 yield InputError(f'axes.together."{word}"', list(values), limit)
     for axis in study.varied:
-        together = [axis.at(place) for place in range(len(axis.labels))]
+        together, right = [axis.at(place) for place in range(len(axis.labels))], True
         for path, values in axis.keys.items():
             if not values:
                 yield InputError(f'axes."{path}"', "[]", "needs at least one value")
             for label, given in zip(axis.labels, together, strict=True):
                 if path in given and (limit := _objection(study, path, given) or _above(study, path, given)):
                     yield InputError(_place(axis, path, label), told(given[path]), limit)
+                    right = False
                     break
-        yield from repeated(f'axes."{next(iter(axis.keys)) if axis.own else axis.name}"', axis.labels)
+        if right:  # a list that is taken apart for its values may have one twice
+            yield from repeated(f'axes."{next(iter(axis.keys)) if axis.own else axis.name}"', axis.labels)
     yield from _survival(study)
     names = Counter(axis.name for axis in study.varied)
     for name in (name for name, count in names.items() if count > 1):

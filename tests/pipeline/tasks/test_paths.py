@@ -314,6 +314,15 @@ def test_a_wrong_path_or_value_is_refused_with_its_key(small, line, message):
     assert any(message in problem for problem in caught.value.problems), caught.value.problems
 
 
+def test_a_list_that_is_one_value_is_told_once(small):
+    """And not that it has one of its numbers twice."""
+    small.write_text(small.read_text().replace("seed = ", '"floats.front.cog" = [0.0, 0.0, -1.0]\nseed = ', 1))
+    with pytest.raises(StudyError) as caught:
+        load(small)
+    (problem,) = caught.value.problems
+    assert "must be a list" in problem
+
+
 def test_more_axes_than_a_dataset_can_have_are_refused(small):
     with pytest.raises(StudyError, match="axes = 30 keys: must be <= 24"):
         varied(small, *(f'"platform.nodes.n{i}" = [[0.0, 0.0, 0.0]]' for i in range(30)))
