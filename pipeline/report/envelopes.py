@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report.drawing import canvas, colour
+from pipeline.report.drawing import INK, canvas, colour, legend
 from pipeline.report.figures import Results
 from pipeline.study.layout import hinge_nodes
 
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# variable, words, SI units in the unit shown, and the side on which the panel is empty at the foot
+# variable, words, and SI units in the unit shown
 ENVELOPES = (
-    ("displacement_envelope", "largest |displacement| [m]", 1.0, "right"),
-    ("stress_envelope", "largest |stress| [MPa]", 1e6, "left"),
+    ("displacement_envelope", "largest |displacement| [m]", 1.0),
+    ("stress_envelope", "largest |stress| [MPa]", 1e6),
 )
-TAGS = (0.3, 0.8)  # of the height: where the platforms' names stand clear of each other
 
 
 def leg_groups(results: Results) -> dict[str, list[int]]:
-    """Legs of one height at the same x, from the weather side of heading 0 to the lee; by the dataset's labels."""
+    """Legs of one height whose feet have the same x, from the weather side of heading 0 to the lee, by the dataset's
+    labels; called by their feet, for battered legs have another x at each height."""
     labels, platform = results.labels("leg"), results.study.content.platform
     if platform is None or len(platform.legs) != len(labels):
         return {f"leg {label}": [label] for label in labels}
@@ -34,10 +34,15 @@ def leg_groups(results: Results) -> dict[str, list[int]]:
     for label, name in sorted(zip(labels, platform.legs, strict=True), key=lambda pair: kinds[pair[1]]):
         places.setdefault(kinds[name], []).append(label)
     at = [x for x, _ in places]
-    names = {1: ["legs"], 2: ["front legs", "rear legs"]}.get(len(places), [f"legs at x = {x:g} m" for x in at])
-    if len(set(at)) < len(at):
-        names = [f"legs at x = {x:g} m, {height:g} m high" for x, height in places]
-    return dict(zip(names, places.values(), strict=True))
+    if len(places) <= 2 and len(set(at)) == len(at):
+        return dict(zip(["legs"] if len(at) == 1 else ["front legs", "rear legs"], places.values(), strict=True))
+    alike = len(set(at)) < len(at)
+    return {_called(legs, x) + f", {height:g} m high" * alike: legs for (x, height), legs in places.items()}
+
+
+def _called(legs: Sequence[int], x: float) -> str:
+    leg, foot = ("leg", "foot") if len(legs) == 1 else ("legs", "feet")
+    return f"{leg} {', '.join(map(str, legs))} ({foot} at x = {x:g} m)"
 
 
 def _kind(start: Sequence[float], end: Sequence[float]) -> tuple[float, float]:
@@ -46,7 +51,7 @@ def _kind(start: Sequence[float], end: Sequence[float]) -> tuple[float, float]:
     return round(foot[0], 3), round(top[2] - foot[2], 3)
 
 
-def shown(results: Results) -> list[tuple[str, str, float, str]]:
+def shown(results: Results) -> list[tuple[str, str, float]]:
     """The envelopes that the dataset has in the sea state shown."""
     return [entry for entry in ENVELOPES if results.has(entry[0], sea_state=results.sea)]
 
@@ -64,37 +69,24 @@ def profile(results: Results, name: str, platform: str, legs: Sequence[int]) -> 
 
 def draw(panels: Sequence[Axes], results: Results) -> None:
     """A panel for each envelope: mean of the realizations, and their range as a band."""
-    every = results.data["height"].values
-    for axes, (name, words, scale, _) in zip(panels, shown(results), strict=True):
+    every, groups = results.data["height"].values, leg_groups(results)
+    for axes, (name, words, scale) in zip(panels, shown(results), strict=True):
         for j, platform in enumerate(results.supports(name)):
-            for i, (_, legs) in enumerate(leg_groups(results).items()):
+            for i, (group, legs) in enumerate(groups.items()):
                 heights, rows = profile(results, name, platform, legs)
                 rows = rows / scale
                 if rows.size:
                     band: dict[str, Any] = {"color": colour(i), "alpha": 0.15, "linewidth": 0}
                     axes.fill_betweenx(heights, rows.min(axis=1), rows.max(axis=1), **band)
-                    axes.plot(rows.mean(axis=1), heights, "--" if j else "-", color=colour(i), linewidth=1.4)
-                if rows.size and i == 0 and axes is panels[0]:
-                    _tag(axes, rows.mean(axis=1), heights, j, results.carrying.get(platform, platform))
+                    named = {} if j else {"label": group}
+                    axes.plot(rows.mean(axis=1), heights, "--" if j else "-", color=colour(i), linewidth=1.4, **named)
+            if axes is panels[-1] and (told := results.carrying.get(platform, platform)):
+                axes.plot([], [], "--" if j else "-", color=INK, linewidth=1.4, label=told)
         axes.set_ylim(float(every.min()), float(every.max()))
         axes.set_xlim(left=0.0)
         axes.set_xlabel(words)
-    _groups(panels[-1], list(leg_groups(results)), shown(results)[-1][-1])
+    legend(panels[-1])
     panels[0].set_ylabel("height above the foot of the leg [m]")
-
-
-def _tag(axes: Axes, curve: np.ndarray, heights: np.ndarray, number: int, words: str) -> None:
-    """A platform's name to the right of its curve."""
-    place = int(TAGS[number % 2] * (len(heights) - 1))
-    style: dict[str, Any] = {"xytext": (8, 0), "textcoords": "offset points", "va": "center"}
-    axes.annotate(words, (float(curve[place]), float(heights[place])), **style)
-
-
-def _groups(axes: Axes, names: Sequence[str], side: str) -> None:
-    """Names of the legs in their colours, in the corner that the curves leave free."""
-    for i, name in enumerate(names):
-        place = (0.04 if side == "left" else 0.96, 0.03 + 0.07 * (len(names) - 1 - i))
-        axes.annotate(name, place, xycoords="axes fraction", color=colour(i), ha=side)
 
 
 def envelopes(results: Results) -> Figure | None:

@@ -101,14 +101,15 @@ class Results:
     def first_of(self, name: str, /, **given: Any) -> dict[str, Any]:
         """The first task's labels, or the first others with numbers of a variable, in the sea shown or at those given.
 
-        Axis by axis: each label is one that has numbers with those before it.
+        Axis by axis: each label is one that has numbers with those before it, on as many platforms as any.
         """
         there = self.values(name, **{"sea_state": self.sea} | given).notnull()
         held = {}
         for dim, first in self._start.items():
             labels, label = there[dim].values.tolist(), given.get(dim, first)
-            some = there.any([other for other in there.dims if other != dim])
-            held[dim] = next((one for one in (label, *labels) if one in labels and some.sel({dim: one})), label)
+            some = there.any([other for other in there.dims if other not in (dim, "platform")]).sum("platform")
+            known = [one for one in (label, *labels) if one in labels and some.sel({dim: one})]
+            held[dim] = max(known, key=lambda one: int(some.sel({dim: one})), default=label)
             there = there.sel({dim: [held[dim]]})
         return held
 

@@ -594,10 +594,28 @@ def test_a_platform_without_floats_is_not_said_to_have_some(small):
     """Alone there is nothing to tell it from; beside one with floats it has its name."""
     bare = dataset().drop_vars(["absorbed_power", "rotation", "hinge_force"])
     told = [
-        [text.get_text() for text in envelopes.envelopes(figures.Results(study=load(small), data=data)).axes[0].texts]
+        names_of_lines(envelopes.envelopes(figures.Results(study=load(small), data=data)).axes[-1])
         for data in (bare.drop_vars("float").sel(platform=["elastic"]), bare.drop_vars("float"), bare)
     ]
-    assert told[:2] == [[""], ["", ""]] and told[2][:2] == ["with floats", "no floats"]
+    assert told == [["legs"], ["legs"], ["legs", "with floats", "no floats"]]
+
+
+def names_of_lines(axes):
+    return [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_envelopes_are_of_a_label_at_which_most_platforms_have_numbers(small):
+    """Where the first one's runs with floats failed in the sea that is shown, those without would stand alone."""
+    small.write_text(small.read_text().replace("seed", "pto_damping = [1e5, 2e5]\nseed", 1))
+    one = dataset()[["displacement_envelope", "stress_envelope", "wall_time"]]
+    data = xr.concat([one.assign_coords(pto_damping=b) for b in (1e5, 2e5)], "pto_damping").copy(deep=True)
+    for name in ("displacement_envelope", "stress_envelope"):
+        data[name].loc[{"pto_damping": 1e5, "sea_state": "rough", "platform": "elastic"}] = np.nan
+    some = figures.Results(study=load(small), data=data)
+    assert some.first_of("stress_envelope") == {"pto_damping": 2e5} and some.first == {"pto_damping": 1e5}
+    with plain():
+        panel = envelopes.envelopes(some).axes[0]
+    assert [line.get_linestyle() for line in panel.lines] == ["-", "--"]
 
 
 def test_a_leg_is_drawn_at_its_own_heights(results):
@@ -703,7 +721,18 @@ def test_legs_of_unlike_height_are_not_averaged(study_of, buan_tables):
         buan_tables["platform"]["nodes"][foot][2] += 20.0
     buan = figures.Results(study=study_of(buan_tables), data=xr.Dataset(coords={"leg": [1, 2, 3, 4]}))
     assert list(envelopes.leg_groups(buan).values()) == [[2], [1], [4], [3]]
-    assert next(iter(envelopes.leg_groups(buan))) == "legs at x = -1.5 m, 32.6 m high"
+    assert next(iter(envelopes.leg_groups(buan))) == "leg 2 (foot at x = -1.5 m), 32.6 m high"
+
+
+def test_legs_are_called_by_their_feet(study_of, buan_tables):
+    """Battered ones have another x at each height."""
+    buan_tables["platform"]["nodes"]["foot3"][0] = 8.0
+    buan = figures.Results(study=study_of(buan_tables), data=xr.Dataset(coords={"leg": [1, 2, 3, 4]}))
+    assert list(envelopes.leg_groups(buan)) == [
+        "legs 1, 2 (feet at x = -1.5 m)",
+        "leg 4 (foot at x = 1.5 m)",
+        "leg 3 (foot at x = 8 m)",
+    ]
 
 
 def test_the_scene_is_to_scale(results):
