@@ -1,4 +1,4 @@
-"""Power and rotation along an axis of a study: of numbers, of words such as variants, of samples."""
+"""Power and motion along an axis of a study: of numbers, of words such as variants, of samples."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.report.drawing import PAPER, canvas, categories, lanes
-from pipeline.report.figures import CROSS, ROOM, SUPPORT, Measure, Results, draw_spread, finite, key, series
+from pipeline.report.figures import CROSS, PANELS, ROOM, SUPPORT, Measure, Results, draw_spread, finite, key, series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,7 @@ MANY, LOW = 8, 0.25  # so many numbers of which half lie in the lowest quarter, 
 def along(results: Results, dim: str) -> Figure | None:
     """A panel for each quantity; words stand in rows, numbers that change together have a row of panels each."""
     labels, words = results.labels(dim), in_rows(results, dim)
-    shown = [quantity for quantity in results.measures if _any(results, quantity, dim)]
+    shown = [quantity for quantity in results.measures if _any(results, quantity, dim)][:PANELS]
     if not shown or len(labels) < 2:
         return None
     across = [dim] if words else abscissae(results, dim)
@@ -75,7 +75,7 @@ def in_ratios(places: np.ndarray) -> bool:
 
 def _values(results: Results, quantity: Measure, dim: str, sea: str) -> xr.DataArray:
     others = {name: label for name, label in results.first.items() if name != dim}
-    return results.values(quantity.variable, statistic=quantity.statistic, sea_state=sea, **others)
+    return results.of(quantity, sea_state=sea, **others)
 
 
 def drawn(results: Results, dim: str) -> dict[str, list[Any]]:

@@ -31,9 +31,10 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
     both = len(beside(results)) > 1
     of_waves = told(results, {dim: at_waves[dim] for dim in results.first if not (both and dim == METHOD)})
     shown = figures.shown(results)
-    measures, variables = " and ".join(quantity.name for quantity in shown).capitalize(), [q.variable for q in shown]
+    *names, last = [quantity.name for quantity in shown] or [""]
+    measures, variables = (", ".join(names) + " and " * bool(names) + last).capitalize(), [q.variable for q in shown]
     of_seas = results.survivors(variables, results.first, {"sea_state": results.seas})
-    fixed = _filled(results, variables)
+    fixed = _filled(results, variables) + _first(results)
     spread = f"Dots: mean over realizations; bars: least and largest.{fixed}"
     dashed = " Dashed: the frequency domain." if both else ""
     of_extremes = (
@@ -91,6 +92,12 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
         *series.entries(results),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
+
+
+def _first(results: Results) -> str:
+    """That a figure has no room for all measures."""
+    count = len(results.measures)
+    return f" The first {figures.PANELS} of {count} quantities." if count > figures.PANELS else ""
 
 
 def _filled(results: Results, drawn: list[str]) -> str:

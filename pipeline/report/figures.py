@@ -14,6 +14,7 @@ from pipeline.report.drawing import INK, MARKERS, PAPER, above, canvas, categori
 from pipeline.report.published import Published
 from pipeline.report.tables import SURVIVORS, prefix
 from pipeline.report.yearly import FAILED, realized
+from pipeline.results.variables import axis_units
 from pipeline.study.seas import height
 from pipeline.tasks.study import Study
 from pipeline.tasks.task import axes as axes_of
@@ -29,6 +30,8 @@ SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floa
 ROOM = 24  # sea states in one figure
 LINES = 12  # of floats in sea states on one platform that can be told apart
 CROSS = "x"  # marks a published number
+NAUGHT = 1e-6  # share of the largest below which a component is zero but for rounding
+PANELS = 4  # measures side by side
 
 
 class Measure(NamedTuple):
@@ -39,9 +42,10 @@ class Measure(NamedTuple):
     statistic: str
     words: str
     scale: float
+    axis: str = ""  # of a joint, which motion is along
 
 
-POWER, FORCE = "absorbed_power", "hinge_force"
+POWER, FORCE, MOTION = "absorbed_power", "hinge_force", "motion"
 ROTATION = Measure("rotation", "rotation", "rms", "RMS rotation [rad]", 1.0)
 AUDIT = (
     ("energy_residual", "energy residual [share of the largest energy exchanged]"),
@@ -156,11 +160,30 @@ class Results:
                 per_sea = np.where(np.isfinite(values), values, per_sea)
         return per_sea
 
-    @property
+    @cached_property
     def measures(self) -> list[Measure]:
-        """Power and rotation, as far as they are there."""
-        every = (*([self.power] if POWER in self.data else []), ROTATION)
-        return [quantity for quantity in every if self.has(quantity.variable)]
+        """Power, rotation and motion along other axes of joints, as far as they are there and not zero throughout."""
+        every = [*([self.power] if POWER in self.data else []), ROTATION, *self._motions]
+        there = [quantity for quantity in every if self.has(quantity.variable)]
+        return [quantity for quantity in there if _some(self.of(quantity), self.data[quantity.variable])]
+
+    @property
+    def _motions(self) -> list[Measure]:
+        """First those along axes that most floats have."""
+        if not self.has(MOTION):
+            return []
+        floats = {
+            axis: -int(self.values(MOTION, axis=axis).max(axes_of(self.study.content)).count())
+            for axis in self.labels("axis")
+        }
+        axes = sorted((axis for axis in floats if axis != "hinge"), key=floats.__getitem__)
+        units = dict(zip(axes, axis_units(axes), strict=True))
+        return [Measure(axis, MOTION, "rms", f"RMS {axis} [{units[axis]}]", 1.0, axis) for axis in axes]
+
+    def of(self, quantity: Measure, /, **labels: Any) -> xr.DataArray:
+        """What a measure shows, in the dataset's unit, or the part of it with these labels."""
+        along = {"axis": quantity.axis} if quantity.axis else {}
+        return self.values(quantity.variable, statistic=quantity.statistic, **along, **labels)
 
     @cached_property
     def power(self) -> Measure:
@@ -199,6 +222,11 @@ class Results:
         return [f"{n}\n{h:#.3g} m, {t:#.3g} s" if np.isfinite([h, t]).all() else n for n, h, t in rows]
 
 
+def _some(part: xr.DataArray, whole: xr.DataArray) -> bool:
+    """Whether there is more than rounding beside the largest of a variable."""
+    return bool((abs(part) > NAUGHT * abs(whole).max()).any())
+
+
 def finite(values: xr.DataArray) -> np.ndarray:
     """All numbers, in a row."""
     flat = values.values.ravel()
@@ -222,8 +250,8 @@ def draw_spread(axes: Axes, numbers: np.ndarray, place: float, look: dict[str, A
 
 def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
     """Mean over realizations with least and largest, and the published number, for each sea state."""
-    _, name, statistic, words, scale = quantity
-    values = results.values(name, statistic=statistic, **results.first)
+    _, name, statistic, words, scale, _ = quantity
+    values = results.of(quantity, **results.first)
     every = list(series(results, name))
     categories(axes, results.sea_names)
     for (item, support, look), lane in zip(every, lanes(len(every)), strict=True):
@@ -265,13 +293,13 @@ def key(figure: Figure, results: Results, name: str, markers: Mapping[str, str] 
 
 
 def shown(results: Results) -> list[Measure]:
-    """Power and rotation, as far as there are numbers of the seas and at the labels that are drawn."""
-    there = ((each, results.values(each.variable, **results.first)) for each in results.measures)
-    return [quantity for quantity, values in there if values.sel(sea_state=results.seas).notnull().any()]
+    """The first measures of which there are numbers of the seas and at the labels that are drawn."""
+    there = ((each, results.of(each, **results.first)) for each in results.measures)
+    return [quantity for quantity, values in there if values.sel(sea_state=results.seas).notnull().any()][:PANELS]
 
 
 def sea_states(results: Results) -> Figure | None:
-    """Power and rotation of every float in every sea state."""
+    """Power and motion of every float in every sea state."""
     measures = shown(results)
     if not measures:
         return None
@@ -279,6 +307,7 @@ def sea_states(results: Results) -> Figure | None:
     rows = figure.subplots(1, len(measures), sharey=True, squeeze=False)[0]
     for axes, quantity in zip(rows, measures, strict=True):
         draw_sea_states(axes, results, quantity)
+        axes.locator_params(axis="x", nbins=min(6, 12 // len(measures)))
     key(figure, results, measures[-1].variable)
     return figure
 

@@ -16,11 +16,11 @@ import numpy as np
 
 from pipeline.bridge import realizations
 from pipeline.report.drawing import COLOURS, INK, above, canvas, colour
-from pipeline.report.figures import FORCE, POWER, told
+from pipeline.report.figures import FORCE, MOTION, NAUGHT, POWER, told
 from pipeline.report.strips import directions
 from pipeline.results.netcdf import Variable
 from pipeline.results.records import decode
-from pipeline.results.variables import SERIES
+from pipeline.results.variables import SERIES, axis_units
 from pipeline.study import seas
 from pipeline.tasks.task import Label, at_labels, firsts
 
@@ -122,6 +122,7 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
         ("Response of the platform", f"First leg. {bands}", lambda _: draw(response(series))),
         ("Hinge forces", f"Of the hinge on the float. {bands}", lambda _: draw(forces(series))),
         ("Rotation", bands, lambda _: draw(floats(series, "rotation", "rotation, [rad]", 1.0))),
+        ("Motion", f"Along the axes of joints, from rest. {bands}", lambda _: draw(motions(series))),
         ("Absorbed power", bands, lambda _: draw(powers(series))),
     ]
 
@@ -162,21 +163,37 @@ def powers(series: Series) -> list[Row]:
     return floats(series, POWER, f"absorbed power, [{'k' * (scale > 1)}W]", scale)
 
 
-def floats(series: Series, variable: str, words: str, scale: float) -> list[Row]:
+def motions(series: Series) -> list[Row]:
+    """Along each axis of a joint but a hinge's, which rotation is about; without those that only rounding moves."""
+    axes = [axis for axis in series.results.labels("axis") if axis != "hinge"]
+    rows = [
+        row
+        for axis, unit in zip(axes, axis_units(axes), strict=True)
+        for row in floats(series, MOTION, f"{axis}, [{unit}]", 1.0, axis=axis)
+    ]
+    sizes = [max((float(np.abs(line.values).max()) for line in row.lines), default=0.0) for row in rows]
+    return [row for row, size in zip(rows, sizes, strict=True) if size > NAUGHT * max(sizes)]
+
+
+def floats(series: Series, variable: str, words: str, scale: float, **labels: object) -> list[Row]:
     """Figs. 16 and 17: one quantity of every float, on the elastic and on the fixed platform."""
     platforms = {"elastic": "elastic platform", "fixed": "fixed platform"}
     return [
         Row(
             f"{words.replace('[', f'{f} [')}",
-            [line for p, name in platforms.items() for line in series.line(name, p, variable, scale, float=f)],
+            [
+                line
+                for p, name in platforms.items()
+                for line in series.line(name, p, variable, scale, float=f, **labels)
+            ],
         )
         for f in series.floats
     ]
 
 
 def draw(rows: Sequence[Row]) -> Figure | None:
-    """Each row as its whole record and its minute about the largest value; None if nothing is there."""
-    rows = [row for row in rows if row.lines]
+    """Each row that is not zero as its whole record and its minute about the largest value; None if there is none."""
+    rows = [row for row in rows if any(line.values.any() for line in row.lines)]
     if not rows:
         return None
     figure = canvas(9.0, 0.6 + 1.9 * len(rows))

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, decades, lanes
-from pipeline.report.figures import AUDIT, CROSS, FORCE, SUPPORT, Results, finite, key, series
+from pipeline.report.figures import AUDIT, CROSS, FORCE, NAUGHT, SUPPORT, Results, finite, key, series
+from pipeline.report.sketch import first_scene
 from pipeline.results.dataset import once
 
 if TYPE_CHECKING:
@@ -17,14 +18,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LETTERS = 110  # of words below axes all across a figure
-NAUGHT = 1e-6  # share of the largest below which a component is zero but for rounding
 
 
 def directions(results: Results) -> list[str]:
-    """Components of the hinge force that are not zero in what is shown: a planar scene has no y force."""
+    """Components of the hinge force that are not zero in what is shown: a planar scene has no y force, and of a body
+    that slides in still water all is rounding beside its weight."""
+    from pipeline.bridge import scenes
+
     values = results.values(FORCE, **results.first_of(FORCE))
     largest = {d: float(np.abs(finite(values.sel(direction=d))).max(initial=0.0)) for d in results.labels("direction")}
-    return [d for d, size in largest.items() if size > NAUGHT * max(largest.values())]
+    scene = first_scene(results.study.content)
+    weights = [item.mass * scene.water.gravity for item in scenes.floats(scene)]
+    return [d for d, size in largest.items() if size > NAUGHT * max([*largest.values(), *weights])]
 
 
 def hinge_forces(results: Results) -> Figure | None:

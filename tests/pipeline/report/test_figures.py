@@ -674,6 +674,32 @@ def test_a_force_that_is_zero_is_not_shown(results):
     assert strips.hinge_forces(figures.Results(study=results.study, data=still)) is None
 
 
+def test_a_force_that_is_rounding_beside_the_floats_weight_is_not_shown(results):
+    still = results.data.assign(hinge_force=1e-6 * results.data.hinge_force)
+    assert strips.hinge_forces(replace(results, data=still)) is None
+
+
+def test_what_slides_is_measured_and_power_that_is_zero_throughout_is_not(results):
+    """Along axes that most floats have first, in as many panels as there is room for; not what rounding alone moves."""
+    axes = ["surge", "hinge", "heave", "sway", "pitch", "roll"]
+    motion = results.data.rotation.expand_dims({"axis": axes}) * xr.DataArray([1, 1, 2, 1e-9, 1, 1], dims="axis")
+    motion = xr.concat([motion, motion.where(motion.axis == "heave").assign_coords(float=["rear"])], "float")
+    data = results.data.assign(absorbed_power=0.0 * results.data.absorbed_power).reindex(float=["front", "rear"])
+    sliding = replace(results, data=data.assign(motion=motion))
+    names = ["rotation", "heave", "surge", "pitch", "roll"]
+    assert [quantity.name for quantity in sliding.measures] == names
+    with plain():
+        panels = figures.sea_states(sliding).axes
+        assert along(replace(sliding, data=xr.concat([sliding.data] * 2, "size").assign_coords(size=[1, 2])), "size")
+    units = ["[rad]", "[m]", "[m]", "[rad]"]
+    assert [axes.get_xlabel() for axes in panels] == [f"RMS {n} {u}" for n, u in zip(names, units, strict=False)]
+    dot = next(line for line in panels[1].lines if line.get_marker() == "o")
+    calm = motion.sel(sea_state="calm", platform="elastic", float="front", axis="heave", statistic="rms")
+    assert dot.get_xdata() == pytest.approx(calm.mean("seed").item())
+    captions = {title: caption for title, caption, _ in entries(sliding)}
+    assert "The first 4 of 5 quantities." in captions["Rotation, heave, surge and pitch in each sea state"]
+
+
 def test_a_force_that_others_than_the_shown_tasks_have_is_not_shown(small):
     """Their rounding would fill a panel."""
     lines = "[variants.ahead]\n[variants.across]\nwaves.heading = 1.0"

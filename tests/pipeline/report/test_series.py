@@ -10,6 +10,7 @@ from pipeline.bridge.loading import load
 from pipeline.report import figures, series
 from pipeline.report.drawing import canvas, plain
 from pipeline.results.netcdf import Variable, to_bytes
+from pipeline.results.records import decode
 
 TIME = np.arange(100.0, 700.0, 0.1)
 PLATFORMS = ("elastic", "fixed", "elastic-no-floats")
@@ -68,6 +69,26 @@ def test_every_figure_comes_of_what_is_there(results):
     assert shown == ["Waves", "Response of the platform", "Hinge forces", "Rotation"]  # no power in the records
     without = figures.Results(study=results.study, data=results.data)
     assert series.entries(without) == []
+
+
+def test_motion_is_drawn_along_each_axis_that_moves_but_a_hinges(results):
+    """A power that is zero throughout is not drawn, and what is rounding beside the largest motion is none."""
+    for platform in ("elastic", "fixed"):
+        file = results.tasks / f"{platform}-1" / "record.nc"
+        made = dict(decode(file.read_bytes()))
+        moved = np.exp(-TIME / 100)[:, None, None] * [[[1.0, 1e-9, np.nan, 0.1]]]
+        made["axis"] = Variable(("axis",), np.array(["heave", "sway", "surge", "hinge"]), {})
+        made["motion_series"] = Variable(("elapsed_time", "float", "axis"), moved, {})
+        made["absorbed_power_series"] = Variable(("elapsed_time", "float"), np.zeros((TIME.size, 1)), {})
+        file.write_bytes(to_bytes(made, {}))
+    power = (*results.data["task"].dims, "float", "statistic"), np.zeros((1, 3, 2, 1, 1))
+    data = results.data.assign(absorbed_power=power, rotation=power)
+    data = data.assign_coords(axis=["heave", "sway", "surge", "hinge"], statistic=["mean"])
+    sliding = dataclasses.replace(results, data=data)
+    with plain():
+        made = {title: make(sliding) for title, _, make in series.entries(sliding)}
+    assert made["Absorbed power"] is None
+    assert [axes.get_title() for axes in made["Motion"].axes[::2]] == ["heave, front [m]"]
 
 
 def test_a_float_that_is_lifted_out_of_the_sea_that_is_drawn_has_no_line(results):
