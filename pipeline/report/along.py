@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report.drawing import PAPER, canvas, categories, lanes
-from pipeline.report.figures import CROSS, PANELS, ROOM, SUPPORT, Measure, Results, draw_spread, finite, key, series
+from pipeline.report.drawing import PAPER, canvas, categories, lanes, ratios
+from pipeline.report.figures import (
+    CROSS,
+    PANELS,
+    ROOM,
+    SUPPORT,
+    Measure,
+    Results,
+    draw_spread,
+    finite,
+    key,
+    ring,
+    series,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,7 +50,10 @@ def along(results: Results, dim: str) -> Figure | None:
                 _draw_words(axes, results, quantity, dim)
             else:
                 _draw_numbers(axes, results, quantity, dim, name)
-    key(figure, results, shown[-1].variable, {} if words else results.marked)
+    marks = {
+        sea: mark for sea, mark in results.marked.items() if any(_any(results, each, dim, [sea]) for each in shown)
+    }
+    key(figure, results, shown[-1].variable, {} if words else marks)
     return figure
 
 
@@ -85,10 +101,11 @@ def drawn(results: Results, dim: str) -> dict[str, list[Any]]:
     return {"sea_state": seas, dim: results.labels(dim)[: ROOM if words else None]}
 
 
-def _any(results: Results, quantity: Measure, dim: str) -> bool:
-    """Whether there are numbers to draw."""
+def _any(results: Results, quantity: Measure, dim: str, seas: Sequence[str] = ()) -> bool:
+    """Whether there are numbers to draw, of these sea states or of any."""
     part = drawn(results, dim)
-    return any(finite(_values(results, quantity, dim, sea).sel({dim: part[dim]})).size > 0 for sea in part["sea_state"])
+    among = seas or part["sea_state"]
+    return any(finite(_values(results, quantity, dim, sea).sel({dim: part[dim]})).size > 0 for sea in among)
 
 
 def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> None:
@@ -98,9 +115,8 @@ def _draw_words(axes: Axes, results: Results, quantity: Measure, dim: str) -> No
     categories(axes, _words(results, dim)[:ROOM])
     for (item, support, look), lane in zip(every, lanes(len(every)), strict=True):
         for row, label in enumerate(labels):
-            numbers = finite(values.sel({"platform": support, "float": item, dim: label})) / quantity.scale
-            if numbers.size:
-                draw_spread(axes, numbers, row + lane, look)
+            part = values.sel({"platform": [support], "float": [item], dim: [label]})
+            draw_spread(axes, part, quantity.scale, row + lane, look)
         theirs = {"sea_state": results.sea, "platform": support, "float": item}
         known = results.theirs(quantity.variable, quantity.statistic, **theirs) if dim == VARIANT else None
         if known is not None:
@@ -128,8 +144,12 @@ def _draw_numbers(axes: Axes, results: Results, quantity: Measure, dim: str, nam
             means = [finite(part.isel({dim: i})) / quantity.scale for i in range(len(places))]
             kept = sorted((place, numbers.mean()) for place, numbers in zip(places, means, strict=True) if numbers.size)
             axes.plot(*np.array(kept).reshape(-1, 2).T, label=f"{item}, {SUPPORT[support]}", **style, **shown)
+            for i, (place, numbers) in enumerate(zip(places, means, strict=True)):
+                if numbers.size:
+                    axes.vlines(place, numbers.min(), numbers.max(), color=look["color"], linewidth=1.0)
+                    ring(axes, part.isel({dim: i}), place, numbers.mean(), look["color"])
     if in_ratios(places):
-        axes.set_xscale("log")
+        ratios(axes, places)
     axes.set_ylabel(quantity.words)
     unit = results.data[name].attrs.get("units", "1")
     axes.set_xlabel(name.replace("_", " ") + (f" [{unit}]" if unit != "1" else ""))

@@ -15,6 +15,7 @@ from pipeline.report.report import first_known
 from pipeline.report.sketch import first_scene
 from pipeline.study.floats import Float
 from pipeline.study.schema import StudyFile
+from pipeline.study.seas import Still
 from pipeline.tasks.task import Parameters, at_labels, firsts
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ def from_above(study: StudyFile) -> Figure | None:
     axes.margins(MARGIN)
     axes.grid(visible=False)
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    _draw_waves(axes, scene.waves.heading)
+    if not isinstance(scene.sea_state, Still):
+        _draw_waves(axes, scene.waves.heading)
     return figure
 
 

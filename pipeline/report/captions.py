@@ -8,12 +8,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.report import arrays, envelopes, figures, series, sketch, strips
+from pipeline.report import responses as responding
 from pipeline.report.along import along, drawn, in_rows
 from pipeline.report.figures import ROOM, Results, short, told
 from pipeline.report.responses import METHOD, beside, responses, shown_at
+from pipeline.report.tables import SURVIVORS
+from pipeline.study.seas import is_random
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+UNSEEN = SURVIVORS.replace("are in no mean", "have no dots")
+REALIZED = "Least and largest force in each realization, one dot each"
+EXPECTED = "Least and largest force that are to be expected of a record, one dot each"
 
 
 def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure | None]]]:
@@ -26,20 +33,32 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
         of_legs = results.survivors([name for name, *_ in legs], at_legs, {"sea_state": [results.sea]})
         of_legs += told(results, at_legs)
     of_force = _filled(results, [figures.FORCE])
-    of_force += told(results, results.first_of(figures.FORCE)) if figures.FORCE in results.data else ""
+    if figures.FORCE in results.data:
+        at_force = results.first_of(figures.FORCE)
+        of_force += UNSEEN * bool(results.survivors([figures.FORCE], at_force, {"sea_state": results.seas}))
+        of_force += told(results, at_force)
     at_waves = shown_at(results)
     both = len(beside(results)) > 1
     of_waves = told(results, {dim: at_waves[dim] for dim in results.first if not (both and dim == METHOD)})
     shown = figures.shown(results)
     *names, last = [quantity.name for quantity in shown] or [""]
     measures, variables = (", ".join(names) + " and " * bool(names) + last).capitalize(), [q.variable for q in shown]
-    of_seas = results.survivors(variables, results.first, {"sea_state": results.seas})
+    of_seas = results.ringed(variables, results.first, {"sea_state": results.seas})
+    of_seas += results.survivors(variables, results.first, {"sea_state": results.seas})
     fixed = _filled(results, variables) + _first(results)
-    spread = f"Dots: mean over realizations; bars: least and largest.{fixed}"
+    several, expected = _several(results), _expected(results, figures.FORCE)
+    spread = f"Dots: mean over realizations; bars: least and largest.{fixed}" if several else f"One dot each.{fixed}"
+    spread_along = ", mean over realizations; bars: least and largest." if several else "."
     dashed = " Dashed: the frequency domain." if both else ""
-    of_extremes = (
-        "Lines: mean of the realizations' extremes, of legs drawn as one the largest; bands: least and largest."
-    )
+    of_bands = f"Per wave amplitude, averaged in bands of frequency, of the {responding.LINES} lines of a panel that"
+    of_bands += f" are largest; sea state {at_waves['sea_state']}, first realization there is."
+    of_each = f"Per wave amplitude, of each wave by itself; sea state {arrays.widest(results)}, first realization"
+    of_each += " there is."
+    of_extremes = "Lines: extremes of the record, of legs drawn as one the largest."
+    if several:
+        of_extremes = (
+            "Lines: mean of the realizations' extremes, of legs drawn as one the largest; bands: least and largest."
+        )
     return [
         (
             "Scene",
@@ -64,24 +83,24 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
         *[
             (
                 f"Along {dim.replace('_', ' ')}{_at(results, dim)}",
-                f"{_of_seas(results, dim)}, mean over realizations.{fixed}{_of_axis(results, dim)}",
+                f"{_of_seas(results, dim)}{spread_along}{fixed}{_of_axis(results, dim)}",
                 _along(dim),
             )
             for dim in results.varied
         ],
         (
             "Extremes of the hinge force",
-            f"Least and largest force in each realization, one dot each.{of_force}{cut}",
+            f"{EXPECTED if expected else REALIZED}.{of_force}{cut}",
             strips.hinge_forces,
         ),
         (
             "Response to the waves",
-            f"Per wave amplitude; sea state {at_waves['sea_state']}, first realization there is.{dashed}{of_waves}",
+            f"{of_bands}{dashed}{of_waves}",
             responses,
         ),
         (
             "Motion of each float by period",
-            f"Per wave amplitude; sea state {arrays.widest(results)}, first realization there is.{at}",
+            f"{of_each}{at}",
             arrays.by_period,
         ),
         (
@@ -92,6 +111,18 @@ def entries(results: Results) -> list[tuple[str, str, Callable[[Results], Figure
         *series.entries(results),
         ("What the runs say of themselves", "One dot a task, magnitudes. All seas and realizations.", strips.audit),
     ]
+
+
+def _several(results: Results) -> bool:
+    """Whether there are realizations that may differ: several seeds of a sea that is random."""
+    states = [results.study.content.sea_states.get(sea) for sea in results.seas]
+    return len(results.labels("seed")) > 1 and any(state is None or is_random(state) for state in states)
+
+
+def _expected(results: Results, name: str) -> bool:
+    """Whether a variable is shown of the frequency domain, which has no records."""
+    own = results.study.content.solver.method
+    return name in results.data and results.first_of(name).get(METHOD, own) == "frequency"
 
 
 def _first(results: Results) -> str:
@@ -137,7 +168,9 @@ def _of_axis(results: Results, dim: str) -> str:
     """What a figure along an axis leaves out of its means, is held at, and has no room for."""
     variables = [quantity.variable for quantity in results.measures]
     others = {name: label for name, label in results.first.items() if name != dim}
-    return results.survivors(variables, others, drawn(results, dim)) + held(results, dim) + _cut(results, dim)
+    shown = drawn(results, dim)
+    missing = results.ringed(variables, others, shown) + results.survivors(variables, others, shown)
+    return missing + held(results, dim) + _cut(results, dim)
 
 
 def _at(results: Results, *about: str) -> str:

@@ -25,6 +25,7 @@ COLUMNS = 6  # of marks in a row above a figure, where there is room
 # Of files, with what is not to be written into them: dates, of which each file would be another.
 FORMS: dict[str, dict[str, None]] = {"svg": {"Date": None}, "png": {"Software": None}, "pdf": {"CreationDate": None}}
 MARGIN = 0.04  # of an axis's length, beside it, so that marks at its ends are whole
+TICKS, SHORT = 5, 100.0  # numbers that each have their tick; largest over smallest of a short logarithmic axis
 INK, FAINT, PAPER = "#333333", "#dddddd", "#000000"
 WATER, SAND, STEEL = "#dcebf5", "#d9cfbf", "#8a8f94"
 
@@ -177,6 +178,20 @@ def decades(axes: Axes, low: float, high: float) -> None:
     beyond = MARGIN * (last - first)
     axes.set_xlim(10.0 ** (first - beyond), 10.0 ** (last + beyond))
     axes.xaxis.set_major_locator(LogLocator(numticks=6))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def ratios(axes: Axes, places: np.ndarray) -> None:
+    """A logarithmic x axis with numbers at its own places if they are few, at 1, 2, 5 if it is short, else at tens."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    known = np.unique(places)
+    axes.set_xscale("log")
+    if known.size <= TICKS:
+        axes.set_xticks(known, [f"{number:g}" for number in known])
+    elif known[-1] < SHORT * known[0]:
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 

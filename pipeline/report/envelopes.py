@@ -78,7 +78,7 @@ def draw(panels: Sequence[Axes], results: Results) -> None:
                 if rows.size:
                     band: dict[str, Any] = {"color": colour(i), "alpha": 0.15, "linewidth": 0}
                     axes.fill_betweenx(heights, rows.min(axis=1), rows.max(axis=1), **band)
-                    named = {} if j else {"label": group}
+                    named: dict[str, Any] = {} if j else {"label": group}
                     axes.plot(rows.mean(axis=1), heights, "--" if j else "-", color=colour(i), linewidth=1.4, **named)
             if axes is panels[-1] and (told := results.carrying.get(platform, platform)):
                 axes.plot([], [], "--" if j else "-", color=INK, linewidth=1.4, label=told)

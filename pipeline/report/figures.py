@@ -29,6 +29,8 @@ SHOWN = ("sea_state", "platform", "seed")  # axes that every figure goes along, 
 SUPPORT = {"elastic": "elastic", "fixed": "fixed", "elastic-no-floats": "no floats"}
 ROOM = 24  # sea states in one figure
 LINES = 12  # of floats in sea states on one platform that can be told apart
+RINGED = " Ringed: some realizations have no numbers."
+RING = 70.0  # square points, about a mark
 CROSS = "x"  # marks a published number
 NAUGHT = 1e-6  # share of the largest below which a component is zero but for rounding
 PANELS = 4  # measures side by side
@@ -75,6 +77,11 @@ class Results:
         """A sentence where a mean that is drawn of these variables leaves out realizations that failed."""
         every = (self._part(realized(self.data, self.data[name]), held).sel(drawn) for name in names)
         return SURVIVORS if any((each[FAILED] & each.notnull().any("seed")).any() for each in every) else ""
+
+    def ringed(self, names: Sequence[str], held: Mapping[str, Any], drawn: Mapping[str, Sequence[Any]]) -> str:
+        """A sentence where something that is drawn of these variables is of fewer realizations than there are."""
+        there = [self.values(name, **held).sel(drawn).notnull() for name in names]
+        return RINGED if any((each.any("seed") & ~each.all("seed")).any() for each in there) else ""
 
     def _part(self, values: xr.DataArray, labels: Mapping[str, Any]) -> xr.DataArray:
         for dim in axes_of(self.study.content):
@@ -242,10 +249,26 @@ def series(results: Results, name: str) -> Iterator[tuple[str, str, dict[str, An
             yield item, support, {"color": colour(i), "marker": marker(i), "markerfacecolor": face}
 
 
-def draw_spread(axes: Axes, numbers: np.ndarray, place: float, look: dict[str, Any]) -> None:
-    """Mean of realizations as a dot at a place on the y axis, least and largest as a line through it."""
-    axes.plot([numbers.min(), numbers.max()], [place] * 2, color=look["color"], linewidth=1.0)
-    axes.plot(numbers.mean(), place, linestyle="", **look)
+def draw_spread(axes: Axes, values: xr.DataArray, scale: float, place: float, look: dict[str, Any]) -> bool:
+    """Mean of realizations as a dot at a place on the y axis, least and largest as a line through it; if there are
+    any."""
+    numbers = finite(values) / scale
+    if numbers.size:
+        axes.plot([numbers.min(), numbers.max()], [place] * 2, color=look["color"], linewidth=1.0)
+        axes.plot(numbers.mean(), place, linestyle="", **look)
+        ring(axes, values, numbers.mean(), place, look["color"])
+    return bool(numbers.size)
+
+
+def ring(axes: Axes, values: xr.DataArray, x: float, y: float, shade: str) -> None:
+    """About the mark of a mean, where some realizations have no numbers."""
+    if not values.notnull().any([dim for dim in values.dims if dim != "seed"]).all():
+        axes.scatter([x], [y], s=RING, facecolors="none", edgecolors=shade, linewidths=0.8)
+
+
+def say_empty(axes: Axes, row: int) -> None:
+    """In a row that has no marks."""
+    axes.text(0.02, row, "no numbers", transform=axes.get_yaxis_transform(), va="center", fontsize="small")
 
 
 def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
@@ -254,15 +277,18 @@ def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
     values = results.of(quantity, **results.first)
     every = list(series(results, name))
     categories(axes, results.sea_names)
+    empty = set(range(len(results.seas)))
     for (item, support, look), lane in zip(every, lanes(len(every)), strict=True):
         for row, sea in enumerate(results.seas):
-            numbers = finite(values.sel(platform=support, float=item, sea_state=sea)) / scale
-            if not numbers.size:
+            part = values.sel(platform=[support], float=[item], sea_state=[sea])
+            if not draw_spread(axes, part, scale, row + lane, look):
                 continue
-            draw_spread(axes, numbers, row + lane, look)
+            empty.discard(row)
             theirs = results.theirs(name, statistic, sea_state=sea, platform=support, float=item)
             if theirs is not None:
                 axes.plot(theirs / scale, row + lane, CROSS, color=PAPER, markeredgewidth=1.1)
+    for row in empty:
+        say_empty(axes, row)
     axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(words)
 

@@ -30,9 +30,10 @@ NOTHING = 1e-6  # of a variable's largest: less of another component governs not
 SAME = 1e-6  # of the largest: by less no sea has more than others
 HEADER = ("", "largest of", "where", "in", "mean", "unit", "[least, largest]", "next in", "mean", "realizations")
 NOTE = (
-    "Largest magnitude in a record, mean over realizations, of the place and the sea state where that is largest; in"
-    " brackets the realizations' least and largest. Next: the same of the sea state that comes second, wherever it is"
-    " largest there. Extremes scatter: more seeds tell seas apart that are near each other."
+    "Largest magnitude in a record, in the frequency domain the one to be expected, mean over realizations, of the"
+    " place and the sea state where that is largest; in brackets the realizations' least and largest. Next: the same"
+    " of the sea state that comes second, wherever it is largest there. Extremes scatter: more seeds tell seas apart"
+    " that are near each other."
 )
 
 

@@ -11,6 +11,7 @@ from pipeline.report.drawing import INK, SAND, STEEL, WATER, canvas, colour
 from pipeline.study.floats import Float
 from pipeline.study.platform import General, Section, Tube
 from pipeline.study.schema import StudyFile
+from pipeline.study.seas import Still
 from pipeline.tasks.task import Parameters, cell, first_labels
 
 if TYPE_CHECKING:
@@ -187,7 +188,7 @@ def label(axes: Axes, scene: Parameters) -> dict[int, Annotation]:
     corner: dict[str, Any] = {"transform": axes.transAxes, "fontsize": "small"}
     axes.text(0.02, 0.02, _depth(scene), ha="left", va="bottom", color=colour(0), **corner)
     along = math.cos(scene.waves.heading)
-    if abs(along) > 0.1:
+    if abs(along) > 0.1 and not isinstance(scene.sea_state, Still):
         ends = [(0.02, 0.92), (0.2, 0.92)]
         start, tip = ends if along > 0 else ends[::-1]
         style: dict[str, Any] = {"arrowstyle": "->", "color": INK, "shrinkA": 0, "shrinkB": 0}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.report.drawing import INK, PAPER, canvas, categories, colour, decades, lanes
-from pipeline.report.figures import AUDIT, CROSS, FORCE, NAUGHT, SUPPORT, Results, finite, key, series
+from pipeline.report.figures import AUDIT, CROSS, FORCE, NAUGHT, SUPPORT, Results, finite, key, say_empty, series
 from pipeline.report.sketch import first_scene
 from pipeline.results.dataset import once
 
@@ -57,6 +57,9 @@ def _extremes(axes: Axes, results: Results, values: xr.DataArray) -> None:
     categories(axes, names)
     axes.axvline(0.0, color=INK, linewidth=0.6)
     rows = [entry for entry in series(results, FORCE) if entry[0] == item]
+    for place, sea in enumerate(results.seas):
+        if not finite(values.sel(sea_state=sea)).size:
+            say_empty(axes, place)
     for (_, support, look), lane in zip(rows, lanes(len(rows)), strict=True):
         for place, sea in enumerate(results.seas):
             for statistic in ("max", "min"):

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import SMALL
+from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.lines import Line2D
 
 from pipeline.bridge.loading import load
 from pipeline.cli import cli
-from pipeline.report import envelopes, figures, overview, page, sketch, strips
+from pipeline.report import arrays, envelopes, figures, overview, page, sketch, strips
 from pipeline.report.along import along
 from pipeline.report.captions import entries
 from pipeline.report.drawing import above, canvas, plain, rendered, svg
@@ -217,7 +218,7 @@ def test_few_sea_states_have_a_line_each_along_an_axis(results, count, told):
     mean = one.absorbed_power.sel(platform="elastic", float="front", statistic="mean").mean("seed").item() / 1e3
     assert figure.axes[0].lines[0].get_ydata() == pytest.approx(power * mean)
     (caption,) = (caption for title, caption, _ in entries(varied) if title == "Along pto damping")
-    assert caption.startswith(f"{told}, mean over realizations.")
+    assert caption.startswith(f"{told}, mean over realizations; bars: least and largest.")
     for floats, lines in ((2, len(shown)), (3, 0)):
         fleet = xr.concat([data.assign_coords(float=[f"float-{i}"]) for i in range(floats)], "float")
         assert len(replace(varied, data=fleet).marked) == max(1, lines)
@@ -271,6 +272,88 @@ def test_a_key_is_no_wider_than_its_figure(letters, columns):
     (key,) = figure.legends
     assert key._ncols == columns
     assert (key.get_window_extent().width <= figure.bbox.width) == (letters < 200)
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ((2e4, 1e5, 5e5), ["20000", "100000", "500000"]),
+        (tuple(np.geomspace(3.0, 40.0, 9)), ["5", "10", "20"]),
+        (tuple(np.geomspace(1.0, 1e6, 9)), ["1", "10", "100", "1000", "10000", "100000", "1000000"]),
+    ],
+)
+def test_numbers_of_a_logarithmic_axis_have_room(results, values, told):
+    """Its own if they are few; none between decades."""
+    data = xr.concat([dataset().assign_coords(pto_damping=b) for b in values], "pto_damping")
+    with plain():
+        figure = along(figures.Results(study=results.study, data=data), "pto_damping")
+        rendered(figure, "png")
+        for axes in figure.axes:
+            low, high = axes.get_xlim()
+            texts = axes.xaxis.get_ticklabels(which="both")
+            marks = [(text.get_position()[0], text) for text in texts if text.get_text()]
+            seen = [(place, text) for place, text in marks if 0.999 * low <= place <= 1.001 * high]
+            assert {f"{place:.0f}" for place, _ in seen} <= {*told}
+            boxes = sorted((text.get_window_extent() for _, text in seen), key=lambda box: box.x0)
+            assert len(boxes) > 2 and all(one.x1 < other.x0 for one, other in pairwise(boxes))
+
+
+def test_means_along_an_axis_have_their_range_and_a_ring_where_realizations_are_missing(small):
+    """Both of numbers and of words; rows that have none say so, and of seas without marks the key says nothing."""
+    varied = along_of(small, "pto_damping", "", pto_damping=[1e5, 2e5])
+    data = varied.data.sel(platform=["elastic"]).copy(deep=True)
+    data["absorbed_power"].loc[{"sea_state": "calm"}] = np.nan
+    data["absorbed_power"].loc[{"sea_state": "rough", "seed": 1, "pto_damping": 2e5}] = 7e3
+    part = replace(varied, data=data)
+    known = data.absorbed_power.sel(sea_state="rough", pto_damping=2e5, statistic="mean").values.ravel() / 1e3
+    with plain():
+        numbers, seas = along(part, "pto_damping"), figures.sea_states(part)
+        words = along(replace(part, data=data.assign_coords(pto_damping=["a", "b"])), "pto_damping")
+    bars = [bar.get_segments()[0][:, 1] for bar in numbers.axes[0].collections if isinstance(bar, LineCollection)]
+    assert sorted(bars[-1]) == pytest.approx(sorted(known))
+    rings = [
+        [of for of in axes.collections if isinstance(of, PathCollection)] for axes in (numbers.axes[0], words.axes[0])
+    ]
+    ((x, y),) = rings[0][0].get_offsets()
+    assert x == 1e5 and y == pytest.approx(
+        data.absorbed_power.sel(sea_state="rough", pto_damping=1e5, statistic="mean", seed=0).item() / 1e3
+    )
+    assert len(rings[0]) == len(rings[1]) == 1
+    assert [text.get_text() for text in numbers.legends[0].get_texts()] == ["front"]
+    assert [text.get_position()[1] for text in seas.axes[0].texts if text.get_text() == "no numbers"] == [0]
+    captions = {title.partition(" at ")[0]: caption for title, caption, _ in entries(part)}
+    assert figures.RINGED in captions["Along pto damping"] and figures.RINGED in captions["Power in each sea state"]
+
+
+def test_of_one_realization_there_is_no_spread(results, study_of):
+    """Nor of several of a regular sea; and the frequency domain tells what is to be expected of a record."""
+    one = replace(results, data=results.data.isel(seed=[0]))
+    for of, several in ((results, True), (one, False)):
+        told = " ".join(caption for title, caption, _ in entries(of))
+        assert ("least and largest." in told) == several and ("mean of the real" in told) == several
+    forces = {title: caption for title, caption, _ in entries(one)}["Extremes of the hinge force"]
+    assert forces.startswith("Least and largest force in each realization")
+    content = results.study.content
+    theory = content.model_copy(update={"solver": content.solver.model_copy(update={"method": "frequency"})})
+    expected = replace(results, study=replace(results.study, content=theory))
+    forces = {title: caption for title, caption, _ in entries(expected)}["Extremes of the hinge force"]
+    assert forces.startswith("Least and largest force that are to be expected of a record")
+
+
+def test_where_extremes_have_failed_realizations_it_is_said(results):
+    forces = {title: caption for title, caption, _ in entries(results)}["Extremes of the hinge force"]
+    assert "failed, as a rule the roughest, have no dots." in forces
+
+
+@pytest.mark.parametrize("kind", ["still", "regular"])
+def test_still_water_has_no_waves_that_go_anywhere(study_of, buan_tables, kind):
+    more = {} if kind == "still" else {"period": 5.0, "height": 1.0}
+    buan_tables["sea_states"] = {"one": {"kind": kind, **more}}
+    buan_tables["axes"]["sea_state"] = ["one"]
+    content = study_of(buan_tables).content
+    with plain():
+        views = [sketch.side_view(content).axes[1], arrays.from_above(content).axes[0]]
+    assert ["waves" in [text.get_text() for text in axes.texts] for axes in views] == [kind != "still"] * 2
 
 
 @pytest.mark.parametrize(
@@ -872,7 +955,7 @@ def test_a_caption_says_what_the_numbers_beside_sea_states_are(results, heights,
     (caption,) = (words for title, words, _ in entries(replace(results, data=data)) if "in each sea state" in title)
     assert (
         caption == "Dots: mean over realizations; bars: least and largest. Filled: elastic platform; open: fixed."
-        f"{SURVIVORS}{told}"
+        f"{figures.RINGED}{SURVIVORS}{told}"
     )
 
 

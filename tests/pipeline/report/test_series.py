@@ -88,7 +88,7 @@ def test_motion_is_drawn_along_each_axis_that_moves_but_a_hinges(results):
     with plain():
         made = {title: make(sliding) for title, _, make in series.entries(sliding)}
     assert made["Absorbed power"] is None
-    assert [axes.get_title() for axes in made["Motion"].axes[::2]] == ["heave, front [m]"]
+    assert [axes.get_title("left") for axes in made["Motion"].axes[::2]] == ["heave, front [m]"]
 
 
 def test_a_float_that_is_lifted_out_of_the_sea_that_is_drawn_has_no_line(results):
