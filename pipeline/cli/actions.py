@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +20,7 @@ from pipeline.study.reading import StudyError
 from pipeline.study.schema import StudyFile
 from pipeline.study.settings import Recording
 from pipeline.tasks.study import Study
-from pipeline.tasks.task import Task
+from pipeline.tasks.task import Parameters, Task
 from pipeline.tasks.tasklist import Tasks
 from pipeline.terminal import err, out
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 SHOWN, FRAMES = 30.0, 2000  # of a moving picture: usual length [s], and most frames
+FEWEST = 8  # frames of a wave's period, where it is not said how fast time goes
 # Of a joint, keys by which its law bends or jumps.
 BENT = {
     "coulomb", "declutch_load", "end_stops", "force_limit", "latch_load", "one_way", "pto_law", "pto_table",
@@ -183,7 +185,7 @@ def animate(study: Study, store: Store, results: Path, task: Task, asked: Filmin
     scene = task.parameters
     if problems := [str(error) for error in objections(lambda: require_history(scene))]:
         raise StudyError(study.path, problems)
-    times, pause = asked.times(study.path, scene.record)
+    times, pause = asked.times(study.path, scene.record, _period(scene))
     coefficients, geometry = None, geometry_of(scene)
     if geometry and (coefficients := (cache := Cache(results)).get(geometry.key)) is None:
         again = store.command("run", study.path)
@@ -201,35 +203,49 @@ def animate(study: Study, store: Store, results: Path, task: Task, asked: Filmin
     return path
 
 
+def _period(scene: Parameters) -> float:
+    """Of the waves' peak or the one wave, else the shortest that there is [s]; infinite in still water."""
+    from pipeline.study import seas
+
+    known = seas.labels(scene.sea_state, scene.waves)
+    span = seas.frequencies(scene.sea_state, scene.waves)
+    return known.get("Tp") or known.get("wave_period") or (2 * math.pi / span[1] if span else math.inf)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Filming:
-    """What a moving picture is to show: from when, how much, how fast; None: of the record's start what it has."""
+    """What a moving picture is to show: from when, how much, how fast; None: of the record's start what it has, as fast
+    as time goes or as waves are seen to pass."""
 
     start: float | None
     seconds: float | None
-    speed: float
+    speed: float | None
     fps: float
     magnify: float
 
-    def times(self, file: Path, record: Recording) -> tuple[np.ndarray, int]:
-        """Of its frames (n,) [s], and how long each of them stays [ms]; StudyError for what is out of range."""
+    def times(self, file: Path, record: Recording, period: float = math.inf) -> tuple[np.ndarray, int]:
+        """Of its frames (n,) [s], and how long each of them stays [ms]; StudyError for what is out of range. period: of
+        the waves [s]."""
         import numpy as np
 
+        pause = 10 * round(100 / max(1.0, min(50.0, self.fps)))  # GIFs count hundredths of a second
+        usual = min(1.0, 1000 * period / FEWEST / pause)
+        speed = usual if self.speed is None else self.speed
         end = record.discard + record.duration
         start = record.discard if self.start is None else self.start
-        seconds = min(SHOWN, end - start) if self.seconds is None else self.seconds
+        seconds = min(SHOWN * (usual if self.speed is None else 1.0), end - start)
+        seconds = seconds if self.seconds is None else self.seconds
         limits = (
             ("--from", start, 0.0, end, " s"),
             ("--seconds", seconds, 0.0, end - start, " s"),
-            ("--speed", self.speed, 0.01, 1000.0, ""),
+            ("--speed", 1.0 if self.speed is None else speed, 0.01, 1000.0, ""),
             ("--fps", self.fps, 1.0, 50.0, ""),
             ("--magnify", self.magnify, 0.0, 1e6, ""),
         )
         for option, value, low, high, unit in limits:
             if not low <= value <= high:
                 raise StudyError(file, [f"{option} = {value:g}{unit}: must be within {low:g} to {high:g}{unit}"])
-        pause = 10 * round(100 / self.fps)  # GIFs count hundredths of a second
-        count = int(seconds / (step := self.speed * pause / 1000) + 1e-9) + 1
+        count = int(seconds / (step := speed * pause / 1000) + 1e-9) + 1
         if count > FRAMES:
             limit = f"would make {count} frames: must be at most {FRAMES}; fewer fps or more --speed"
             raise StudyError(file, [f"--seconds = {seconds:g} s: {limit}"])

@@ -390,7 +390,10 @@ def animate(
     results: ResultsFolder = RESULTS,
     start: Annotated[float | None, typer.Option("--from", help="Of the task [s]; left out: of its record")] = None,
     seconds: Annotated[float | None, typer.Option(help="Of the task; left out: 30, or what it has")] = None,
-    speed: Annotated[float, typer.Option(help="Seconds of the task in one of the picture")] = 1.0,
+    speed: Annotated[
+        float | None,
+        typer.Option(help="Seconds of the task in one of the picture; left out: 1, or fewer by which waves are seen"),
+    ] = None,
     fps: Annotated[float, typer.Option(help="Frames a second, in steps that GIFs know")] = 10.0,
     magnify: Annotated[float, typer.Option(help="Times the elastic platform's displacements")] = 1.0,
 ) -> None:

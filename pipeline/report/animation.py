@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 ALONG = 240  # places at which the waves' surface is drawn
 LETTERS = 11  # of a title, an inch
+FINE = 1e-6  # by which a power of ten may be rounded
 SHADES = 256  # of a picture's colours, those of the first for all
 
 
@@ -61,6 +63,8 @@ class Film:
         self.figure, self.views = sketch.views(scene, sketch.about_water(scene, _reached(replay, self.rest)))
         self.title = textwrap.fill(title, int(LETTERS * self.figure.get_figwidth()))
         self.magnified = f"; the platform's displacements × {replay.magnify:g}" * bool(stations and replay.magnify != 1)
+        step = float(np.diff(replay.times[:2]).sum()) or 1.0
+        self.digits = max(1, -math.floor(math.log10(step) + FINE))
         self.clock = self.figure.suptitle(self.words(replay.times[-1]), x=0.01, ha="left")
         literal(self.figure)
         self.figure.draw_without_rendering()
@@ -70,7 +74,7 @@ class Film:
 
     def words(self, t: float) -> str:
         """Above the picture: which task it is, and when."""
-        return f"{self.title}\nt = {t:.1f} s{self.magnified}"
+        return f"{self.title}\nt = {t:.{self.digits}f} s{self.magnified}"
 
     def show(self, number: int, pose: Pose) -> None:
         """The scene as it is at that of the times."""

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from pipeline.bridge import scenes
 from pipeline.bridge.replay import Replay
-from pipeline.cli import cli
+from pipeline.cli import actions, cli
 from pipeline.cli.actions import Filming
 from pipeline.report import animation, sketch
 from pipeline.report.drawing import plain
@@ -165,3 +165,40 @@ def test_a_study_that_has_not_run_lacks_boundary_elements(small, tmp_path):
 def test_frames_are_as_far_apart_as_they_are_shown(tmp_path, given, first, step, count, pause):
     times, shown = Filming(**{**TIDY, **given}).times(tmp_path, Recording(duration=60.0, discard=20.0, ramp=20.0))
     assert shown == pause and times == approx(first + step * np.arange(count))
+
+
+@pytest.mark.parametrize(
+    ("period", "given", "step", "count"),
+    [
+        (8.0, {}, 0.1, 301),
+        (0.2, {}, 0.025, 301),  # eight frames a period, and a film as long as others
+        (0.2, {"speed": 1.0}, 0.1, 301),  # as asked for
+        (0.2, {"seconds": 1.0}, 0.025, 41),
+    ],
+)
+def test_short_waves_are_seen_to_pass(tmp_path, period, given, step, count):
+    asked = Filming(**{**TIDY, "speed": None, **given})
+    times, pause = asked.times(tmp_path, Recording(duration=60.0, discard=20.0, ramp=20.0), period)
+    assert pause == 100 and times == approx(20.0 + step * np.arange(count))
+
+
+@pytest.mark.parametrize(("sea", "period"), [
+    ({"kind": "regular", "period": 0.3, "height": 1e-3}, 0.3),
+    ({"Hs": 1.0, "Tp": 6.0}, 6.0),
+    ({"kind": "white-noise", "Hs": 1.0}, np.pi),
+    ({"kind": "still"}, np.inf),
+])  # fmt: skip
+def test_the_waves_period_is_their_peaks_or_their_shortest(study_of, buan_tables, sea, period):
+    buan_tables |= {"sea_states": {"one": sea}, "waves": {"band": [0.5, 2.0]}}
+    buan_tables["axes"]["sea_state"] = ["one"]
+    assert actions._period(next(iter(expand(study_of(buan_tables).content))).parameters) == approx(period)
+
+
+@pytest.mark.parametrize(
+    ("step", "words"), [(0.5, "t = 0.5 s"), (0.1, "t = 0.1 s"), (0.025, "t = 0.03 s"), (2e-3, "t = 0.002 s")]
+)
+def test_the_clock_has_the_digits_of_its_step(bare, step, words):
+    scene, replay = still(cli.load(bare).content, "fixed", count=2)
+    with plain():
+        film = animation.Film(scene, dataclasses.replace(replay, times=step * np.arange(2)), "title")
+    assert film.words(step) == f"title\n{words}"
