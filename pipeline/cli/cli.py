@@ -206,7 +206,8 @@ def show(study_file: StudyPath, task: Annotated[str, typer.Argument()], results:
         say(f"{match.id} {entry.state} {match}")
         for key in SHOWN:
             if key in entry.status.model_fields_set:
-                say(f"{key}: {getattr(entry.status, key)}")
+                value = getattr(entry.status, key)
+                say(f"{key}: {f'{value:.3g} s' if key == 'wall_time' and value is not None else value}")
         for line in entry.status.log:
             say(f"log: {line}")
         say(json.dumps(json.loads(match.parameters.canonical()), indent=1))

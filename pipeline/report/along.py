@@ -41,6 +41,7 @@ def along(results: Results, dim: str) -> Figure | None:
     shown = [quantity for quantity in results.measures if _any(results, quantity, dim)][:PANELS]
     if not shown or len(labels) < 2:
         return None
+    shown = [results.fitted(quantity, _shown(results, quantity, dim)) for quantity in shown]
     across = [dim] if words else abscissae(results, dim)
     figure = canvas(9.0, 1.2 + 0.45 * len(labels[:ROOM]) if words else 0.4 + 3.0 * len(across))
     grid = figure.subplots(len(across), len(shown), sharey=words, squeeze=False)
@@ -101,6 +102,11 @@ def drawn(results: Results, dim: str) -> dict[str, list[Any]]:
     return {"sea_state": seas, dim: results.labels(dim)[: ROOM if words else None]}
 
 
+def _shown(results: Results, quantity: Measure, dim: str) -> xr.DataArray:
+    others = {name: label for name, label in results.first.items() if name != dim}
+    return results.of(quantity, **others).sel(drawn(results, dim))
+
+
 def _any(results: Results, quantity: Measure, dim: str, seas: Sequence[str] = ()) -> bool:
     """Whether there are numbers to draw, of these sea states or of any."""
     part = drawn(results, dim)
@@ -150,6 +156,8 @@ def _draw_numbers(axes: Axes, results: Results, quantity: Measure, dim: str, nam
                     ring(axes, part.isel({dim: i}), place, numbers.mean(), look["color"])
     if in_ratios(places):
         ratios(axes, places)
+    elif np.isfinite(results.data[name].values).all():
+        axes.locator_params(axis="x", nbins=6)
     axes.set_ylabel(quantity.words)
     unit = results.data[name].attrs.get("units", "1")
     axes.set_xlabel(name.replace("_", " ") + (f" [{unit}]" if unit != "1" else ""))

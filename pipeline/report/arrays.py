@@ -100,8 +100,11 @@ def by_period(results: Results) -> Figure | None:
     for axes, axis in zip(places, moving, strict=False):
         for index, item in enumerate(results.labels("float")):
             numbers = rao.sel(axis=axis, float=item).values[order]
-            if np.isfinite(numbers).any():
-                axes.plot(period[order], numbers, dash(index), color=colour(index), linewidth=1.3, label=item)
+            known = np.isfinite(numbers)  # waves too small to say something would cut the line
+            if known.any():
+                axes.plot(
+                    period[order][known], numbers[known], dash(index), color=colour(index), linewidth=1.3, label=item
+                )
         unit = str(rao.sel(axis=axis).axis_unit.values) if "axis_unit" in rao.coords else ""
         axes.set(xlabel="period [s]", ylabel=f"{axis} [{unit}/m]" if unit else axis)
         axes.set_ylim(bottom=0.0)

@@ -111,11 +111,12 @@ def _near(axes: Axes, one: Line2D, other: Line2D) -> bool:
     return bool(((abs(first - second) <= room) | (np.isnan(first) & np.isnan(second))).all())
 
 
-def legend(axes: Axes) -> None:
+def legend(axes: Axes, **place: Any) -> None:
     """Names of the lines, those together that hide one another: their mark is that of the one on top."""
     marks = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     groups = together([axes], marks)
-    axes.legend([marks[group[-1]] for group in groups], map(", ".join, groups), frameon=False, fontsize="small")
+    style: dict[str, Any] = {"frameon": False, "fontsize": "small"} | place
+    axes.legend([marks[group[-1]] for group in groups], map(", ".join, groups), **style)
 
 
 def above(figure: Figure, marks: Sequence[Line2D]) -> None:

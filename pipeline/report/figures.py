@@ -195,13 +195,19 @@ class Results:
     @cached_property
     def power(self) -> Measure:
         """Mean absorbed power, in the unit that suits it."""
-        unit, scale = prefix(self.data[POWER].sel(statistic="mean"))
-        return Measure("power", POWER, "mean", f"mean absorbed power [{unit}W]", scale)
+        return self.fitted(Measure("power", POWER, "mean", "", 1.0), self.data[POWER].sel(statistic="mean"))
+
+    def fitted(self, quantity: Measure, shown: xr.DataArray) -> Measure:
+        """A measure in the unit that suits the numbers that are shown."""
+        if quantity.variable != POWER:
+            return quantity
+        unit, scale = prefix(shown)
+        return quantity._replace(words=f"mean absorbed power [{unit}W]", scale=scale)
 
     @cached_property
     def force(self) -> tuple[str, float]:
         """Unit of hinge forces and its factor."""
-        unit, scale = prefix(self.data[FORCE])
+        unit, scale = prefix(self.values(FORCE, **self.first_of(FORCE)))
         return f"{unit}N", scale
 
     @property
@@ -273,8 +279,8 @@ def say_empty(axes: Axes, row: int) -> None:
 
 def draw_sea_states(axes: Axes, results: Results, quantity: Measure) -> None:
     """Mean over realizations with least and largest, and the published number, for each sea state."""
-    _, name, statistic, words, scale, _ = quantity
-    values = results.of(quantity, **results.first)
+    values = results.of(quantity, **results.first).sel(sea_state=results.seas)
+    _, name, statistic, words, scale, _ = results.fitted(quantity, values)
     every = list(series(results, name))
     categories(axes, results.sea_names)
     empty = set(range(len(results.seas)))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.report.tables import Table, of_none, of_survivors
-from pipeline.report.yearly import Counts, cells, counts, failures, lost, named, realized
+from pipeline.report.yearly import Counts, cells, counts, failures, lost, named, once_told, realized, shared
 from pipeline.results.arrays import INNER
 from pipeline.results.variables import meaning
 
@@ -54,11 +54,14 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
         apart = designs if math.prod(each.sizes[dim] for dim in designs) <= SEVERAL else []
         components = [dim for dim in COMPONENTS if dim in each.dims]
         places = [dim for dim in each.dims if dim not in (*apart, *components)]
+        same = shared(data, apart)
         least = NOTHING * float(each.max())
         for labels, place in cells(each.transpose(*apart, *components, ...), places):
             if float((part := each.isel(place)).max()) > least:
-                along = labels[len(apart) :]
-                words = ", ".join(labels[: len(apart)]), " ".join([name, *along])
+                along, of = labels[len(apart) :], once_told(labels[: len(apart)], place, same)
+                if of is None:
+                    continue
+                words = ", ".join(of), " ".join([name, *along])
                 yield *words, *_of_part(part, unit(data[name], components, along))
 
 

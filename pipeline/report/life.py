@@ -22,8 +22,10 @@ from pipeline.report.yearly import (
     lost,
     of_part,
     off,
+    once_told,
     over_seas,
     realized,
+    shared,
     weighed,
     with_errors,
 )
@@ -85,7 +87,10 @@ def rows(data: xr.Dataset) -> Iterator[tuple[str, ...]]:
             values = values.compute()
             every = by_sea(values.to_dataset(name=variable), variable)
             seas = [(sea, _worst(some[variable], some)) for sea, some in every]
-            for labels, place in cells(values, ("leg", "fibre")):
+            same = shared(data, [dim for dim in values.dims if dim not in ("sea_state", "seed", "leg", "fibre")])
+            for every_label, place in cells(values, ("leg", "fibre")):
+                if (labels := once_told(every_label, place, same)) is None:
+                    continue
                 for sea, worst in seas:
                     yield _line([*labels, sea], [of.isel(place) for of in worst], end)
 

@@ -242,7 +242,7 @@ def estimated(data: xr.Dataset) -> str:
         return f"{float(worst):.1e}"
     at = ", ".join(f"{dim}={worst[dim].values}" for dim in each.dims if each.sizes[dim] > 1)
     least, largest = (f"{float(end):.1e}" for end in (each.min(), worst))
-    return largest if not at else f"{least} to {largest}, the largest of {at}"
+    return largest if not at or least == largest else f"{least} to {largest}, the largest of {at}"
 
 
 def print_summary(data: xr.Dataset, console: Console) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.report.drawing import PAPER, canvas, colour
+from pipeline.report.drawing import PAPER, canvas, colour, legend
 from pipeline.report.figures import Results
 from pipeline.report.governing import unit
 from pipeline.report.report import first_known
@@ -61,7 +61,7 @@ def responses(results: Results) -> Figure | None:
         own = unit(results.data[f"{name}_response"], ["axis"] * len(along), along)
         upper.set_title(name.replace("_", " ") + (f" [{own}]" if own else ""))
         upper.set_ylim(0.0, (1.05 + ROOM * len(upper.get_legend_handles_labels()[0])) * upper.dataLim.y1)
-        upper.legend(frameon=False, fontsize="small", loc="upper right")
+        legend(upper, loc="upper right")
         lower.set_ylim(0.0, 1.05)
         lower.set_xlabel("frequency [rad/s]")
     grid[1][0].set_ylabel("coherence")

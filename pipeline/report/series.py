@@ -18,6 +18,7 @@ from pipeline.bridge import realizations
 from pipeline.report.drawing import COLOURS, INK, above, canvas, colour
 from pipeline.report.figures import FORCE, MOTION, NAUGHT, POWER, told
 from pipeline.report.strips import directions
+from pipeline.report.tables import prefix
 from pipeline.results.netcdf import Variable
 from pipeline.results.records import decode
 from pipeline.results.variables import SERIES, axis_units
@@ -159,8 +160,9 @@ def powers(series: Series) -> list[Row]:
     """Fig. 17: what every float absorbs."""
     if POWER not in series.results.data:
         return []
-    scale = series.results.power.scale
-    return floats(series, POWER, f"absorbed power, [{'k' * (scale > 1)}W]", scale)
+    every = [np.abs(line.values).max() for row in floats(series, POWER, "", 1.0) for line in row.lines]
+    unit, scale = prefix(np.array(every or [0.0]))
+    return floats(series, POWER, f"absorbed power, [{unit}W]", scale)
 
 
 def motions(series: Series) -> list[Row]:

@@ -162,6 +162,7 @@ def draw(axes: Axes, scene: Parameters, box: Box) -> Drawn:
                 axes.plot([start[0], end[0]], [start[1], end[1]], color=INK, linewidth=0.8, linestyle=":")
             )
         drawn.arms.extend(axes.plot([hinge[0], x], [hinge[2], z], color=INK, linewidth=1.6, solid_capstyle="round"))
+        drawn.arms[-1].set_visible("hinge" in item.motion)  # a guide has none
         if "hinge" in item.motion:
             style: dict[str, Any] = {"color": "white", "markeredgecolor": INK, "markersize": 5, "zorder": 4}
             (drawn.hinges[index],) = axes.plot(hinge[0], hinge[2], "o", **style)

@@ -49,9 +49,9 @@ def remarks(lines: Collection[tuple[str, ...]]) -> str:
     return OFF * any(line[WORDS].endswith(MARK) for line in lines) + of_survivors(lines)
 
 
-def prefix(values: xr.DataArray) -> tuple[str, float]:
+def prefix(values: xr.DataArray | np.ndarray) -> tuple[str, float]:
     """Of the unit in which numbers are told, and its factor: thousands, or the unit itself of a model's."""
-    return ("", 1.0) if float(abs(values).max()) < PLAIN else ("k", 1e3)
+    return ("", 1.0) if float(np.abs(values).max()) < PLAIN else ("k", 1e3)
 
 
 def texts(numbers: np.ndarray) -> list[str]:

@@ -251,6 +251,26 @@ def cells(values: xr.DataArray, inner: Collection[Hashable]) -> Iterator[tuple[l
         yield [words[i] for words, i in zip(labels, place, strict=True)], dict(zip(outer, place, strict=True))
 
 
+def shared(data: xr.Dataset, outer: Collection[Hashable]) -> dict[Hashable, xr.DataArray]:
+    """Where labels of each of these axes have the same tasks, as of a platform without floats whatever those do."""
+    if "task" not in data:
+        return {}
+    tasks = data["task"]
+    return {
+        dim: (tasks == tasks.isel({dim: 0}, drop=True)).all([d for d in tasks.dims if d == dim or d not in outer])
+        for dim in outer
+        if tasks.sizes.get(dim, 1) > 1
+    }
+
+
+def once_told(words: Sequence[str], place: dict[Hashable, int], same: dict[Hashable, xr.DataArray]) -> list[str] | None:
+    """Words of a place without those of axes whose labels have the same tasks; None but at the first of these."""
+    alike = [dim for dim, of in same.items() if of.isel({d: i for d, i in place.items() if d in of.dims}).item()]
+    if any(place[dim] for dim in alike):
+        return None
+    return [word for word, dim in zip(words, place, strict=False) if dim not in alike]
+
+
 def by_sea(part: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset]]:
     """All sea states of a part together, and each of several by itself; one that is no dimension has no name.
 

@@ -1,5 +1,7 @@
 """Figures of several floats together: from above, by period, and what they gain over one alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -98,6 +100,14 @@ def test_every_float_has_its_motion_by_period(results):
     assert axes.get_ylabel() == "hinge [rad/m]"
     alone = figures.Results(study=results.study, data=results.data.isel(float=[0]))
     assert arrays.by_period(alone) is None
+
+
+def test_waves_that_say_nothing_do_not_cut_a_line(results):
+    data = results.data.copy(deep=True)
+    data["rao"].loc[{"component": data.component.values[2]}] = np.nan  # of the period between the others
+    with plain():
+        (axes,) = arrays.by_period(replace(results, data=data)).axes
+    assert [len(line.get_xdata()) for line in axes.lines] == [2, 2]
 
 
 def test_motion_by_period_is_at_the_periods_of_its_own_waves(results):

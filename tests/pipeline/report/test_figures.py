@@ -1136,6 +1136,13 @@ def test_what_turns_about_a_hinge_is_drawn_once(results):
     assert [axes.get_title() for axes in figure.axes[:2]] == ["motion [rad m-1]", "pto force [N m m-1]"]
 
 
+def test_responses_that_hide_one_another_have_one_name(results):
+    waves = of_bands(results, ())
+    both = xr.concat([waves.data, waves.data.assign_coords(float=["rear"])], "float", data_vars="minimal")
+    upper, _ = responses(replace(waves, data=both)).axes
+    assert names_of_lines(upper) == ["front, rear"]
+
+
 def test_figures_of_one_sea_are_of_one_that_designs_work_in(small, results):
     """Not of a storm with other settings, unless every sea is one."""
     assert results.sea == "rough"
@@ -1165,3 +1172,29 @@ def test_the_audit_shows_nothing_of_what_is_exactly_zero(results):
     with plain():
         (axes,) = strips.audit(replace(results, data=data)).axes
     assert axes.get_xlabel().startswith("wall time")
+
+
+def test_numbers_have_the_unit_of_what_is_shown(small):
+    """Not of what another sample has: 6 W are not 0.006 kW."""
+    lines = "[[axes.together]]\nname = 'size'\nwater.depth = [50.0, 60.0]"
+    data = along_of(small, "size", lines, size=[1, 2])
+    powers = data.data.absorbed_power * xr.DataArray([1e-3, 1e3], dims="size")
+    forces = dataset().hinge_force * xr.DataArray([1.0, 1e5], dims="size")
+    some = replace(data, data=data.data.assign(absorbed_power=powers, hinge_force=forces))
+    with plain():
+        by_sea, along_it, hinge = figures.sea_states(some), along(some, "size"), strips.hinge_forces(some)
+    assert by_sea.axes[0].get_xlabel() == "mean absorbed power [W]"
+    assert along_it.axes[0].get_ylabel() == "mean absorbed power [kW]" and hinge.axes[-1].get_xlabel().endswith("[N]")
+    calm = powers.sel(sea_state="calm", platform="elastic", statistic="mean").isel(size=0).mean().item()
+    assert any(line.get_xdata()[0] == pytest.approx(calm) for line in by_sea.axes[0].lines if line.get_marker() == "o")
+
+
+def test_a_guide_is_no_arm(study_of, buan_tables):
+    """From its rest point to a floating body a bar would look like one."""
+    tables = {key: buan_tables[key] for key in ("water", "waves", "sea_states")}
+    front, rear = buan_tables["floats"]
+    tables["floats"] = [front, {k: v for k, v in rear.items() if k not in ("axis", "arm")} | {"motion": ["heave"]}]
+    scene = sketch.first_scene(study_of(tables).content)
+    with plain():
+        _, (view,) = sketch.views(scene, sketch.about_water(scene))
+    assert [arm.get_visible() for arm in view.arms] == [True, False]

@@ -147,3 +147,17 @@ def test_what_a_record_has_one_number_of_and_units_by_the_axis():
         ("end_stop_load heave", "", "rough", "9", "N", ""),
     ]
     assert [line[1:6] for line in rows(data[["rotation"]])] == [("rotation", "", "rough", "0.4", "rad")]
+
+
+def test_what_labels_share_is_told_once():
+    """A platform without floats has the same tasks whatever their power take-off; another has its own."""
+    data = (dataset(forces()) * xr.DataArray(np.ones((2, 2)), dims=("platform", "pto_damping"))).sel(direction=["x"])
+    data = data.assign_coords(platform=["elastic", "elastic-no-floats"], pto_damping=[1e5, 2e5])
+    names = np.array([[[["a", "b"], ["c", "c"]]] * 2] * 3, dtype=object) + np.arange(6).astype(str).astype(
+        object
+    ).reshape(3, 2, 1, 1)
+    task = ("sea_state", "seed", "platform", "pto_damping"), names.astype(str)
+    assert [line[0] for line in rows(data.assign(task=task))] == [
+        "elastic, pto_damping 100000", "elastic, pto_damping 200000", "elastic-no-floats",
+    ]  # fmt: skip
+    assert len(list(rows(data))) == 4

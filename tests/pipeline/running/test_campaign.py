@@ -1244,7 +1244,8 @@ def test_what_was_asked_and_not_met_is_told(small, cli, engine, monkeypatch, tmp
         task.id for task in load(small).tasks if task.labels["platform"] == "elastic"
     ]
     assert {row["warnings"] for row in rows if row["labels"]["platform"] == "fixed"} == {"a float rests elsewhere"}
-    assert "unmet: tolerance 1e-3 asked" in cli("show", "sea_state=calm,platform=elastic,seed=0")
+    shown = cli("show", "sea_state=calm,platform=elastic,seed=0")
+    assert "unmet: tolerance 1e-3 asked" in shown and re.search(r"(?m)^wall_time: [\d.]{1,8}(e-\d+)? s$", shown)
     assert "warnings: a float rests elsewhere" in cli("show", "sea_state=calm,platform=fixed,seed=0")
     with xr.open_dataset(tmp_path / "r" / "small" / "statistics.nc") as data:
         assert (data.unmet.sel(platform="elastic") == "tolerance 1e-3 asked, 2.1e-3 estimated").all()
