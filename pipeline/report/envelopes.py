@@ -80,12 +80,12 @@ def draw(panels: Sequence[Axes], results: Results) -> None:
                     axes.fill_betweenx(heights, rows.min(axis=1), rows.max(axis=1), **band)
                     named: dict[str, Any] = {} if j else {"label": group}
                     axes.plot(rows.mean(axis=1), heights, "--" if j else "-", color=colour(i), linewidth=1.4, **named)
-            if axes is panels[-1] and (told := results.carrying.get(platform, platform)):
+            if axes is panels[0] and (told := results.carrying.get(platform, platform)):
                 axes.plot([], [], "--" if j else "-", color=INK, linewidth=1.4, label=told)
         axes.set_ylim(float(every.min()), float(every.max()))
         axes.set_xlim(left=0.0)
         axes.set_xlabel(words)
-    legend(panels[-1])
+    legend(panels[0], loc="lower right")  # a foot moves next to nothing
     panels[0].set_ylabel("height above the foot of the leg [m]")
 
 
