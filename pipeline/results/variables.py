@@ -115,7 +115,9 @@ VARIABLES = {
     "wave_power": Meaning("W m-1", "Mean power that the realization's waves carry through a metre of their crests"),
     "buckling_factor": Meaning("1", "Factor on its weight and constant loads by which the platform buckles"),
     "stored_energy_change": Meaning("J", "Change of kinetic and potential energy over the run"),
-    "work_wave": Meaning("J", "Work of wave pressure and excitation on the floats"),
+    "work_wave": Meaning(
+        "J", "Work on the floats of the water's pressure, of still water too, of lines and excitation"
+    ),
     "work_radiation": Meaning("J", "Work of the radiation memory"),
     "work_pto": Meaning("J", "Work taken by the power take-offs"),
     "work_joint_damping": Meaning("J", "Work taken by damping in the joints besides the power take-offs"),

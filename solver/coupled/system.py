@@ -255,7 +255,9 @@ class System:
         compliance, mass = np.zeros(nz), _whole_mass(self, self.equilibrium[0])[first:, first:]
         compliance[nc:] = np.diag(np.linalg.inv(mass))[nm - first :]
         rates = of_axes.stop_rates(self.bodies.law, compliance)
-        return np.divide(2 * np.pi / SWING, rates, out=np.full(nz, np.inf), where=rates > 0)
+        # Finer as steps are: a run with half the step tells what both leave out.
+        pieces = SWING * max(1.0, self.scene.usual_step / self.dt)
+        return np.divide(2 * np.pi / pieces, rates, out=np.full(nz, np.inf), where=rates > 0)
 
     def problem(self) -> Problem:
         """The arrays and tolerances of a march."""

@@ -169,8 +169,9 @@ class Probe:
         hits, judged = (int(each.contact[:, HITS].sum()) for each in (recorder, self.recorder))
         if hits > judged and not self.rest and self.system.scene.settings.tolerance is None:
             yield (
-                f"end stops are met {hits} times, and the step is judged by the first of them alone: where floats hang"
-                " about between hits, as where they would tip over, discretization_error may be many times as much;"
+                f"end stops are met {hits} times, and the step is judged by the first of them alone: where floats are"
+                " hardly damped or hang about between hits, as where they would tip over, discretization_error may be"
+                " many times as much;"
                 " with a tolerance all of them are judged"
             )
 
