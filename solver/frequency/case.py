@@ -65,13 +65,19 @@ def _bare(item: Float) -> Float:
     return replace(item, **none)
 
 
+class Pushed(NamedTuple):
+    """By the waves, with forces that are off."""
+
+    more: np.ndarray  # (n, nl) force beyond the usual one
+    excitation: np.ndarray  # (nl, nb, 6)
+
+
 class Shifted(NamedTuple):
     """What coefficients off by their estimated error change of a case."""
 
     equation: Condensed
     impedance: np.ndarray  # (nl, na, na)
-    more: np.ndarray  # (n, nl) force beyond the usual one
-    excitation: np.ndarray  # (nl, nb, 6)
+    pushed: Pushed
     unlike: float  # by how much forces are off, see effects.unlike
 
 
@@ -285,14 +291,18 @@ class Case:
     @cached_property
     def shifted(self) -> Shifted | None:
         """By coefficients off by their estimated error; None without one."""
-        h, system = self.hydrodynamics, self.system
+        h = self.hydrodynamics
         if h is None or h.shifted is h:
             return None
-        pushed = (self.padded(excitation(system, h.shifted, self.waves).T) * self.amplitude).T
+        pushed, impedance = self.pushed_by(h.shifted), self._impedance(h.shifted)
+        off = unlike(self.force, self.force + pushed.more)
+        return Shifted(self.equation.radiating(impedance), impedance, pushed, off)
+
+    def pushed_by(self, h: Hydrodynamics) -> Pushed:
+        """By forces of other coefficients."""
+        pushed = (self.padded(excitation(self.system, h, self.waves).T) * self.amplitude).T
         force = np.ascontiguousarray(wave_force(self.model, pushed, self.modal).T)
-        impedance = self._impedance(h.shifted)
-        equation, more = self.equation.radiating(impedance), force - self.force
-        return Shifted(equation, impedance, more, self.model.pushed(pushed), unlike(self.force, force))
+        return Pushed(force - self.force, self.model.pushed(pushed))
 
     @property
     def loads_at_rest(self) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from solver.coupled.linear import LinearModel
 from solver.errors import SimulationFailed
 from solver.frequency import gaussian, left, overtones, shape, yielding
 from solver.frequency.bent import pto_load, rate_load
-from solver.frequency.case import Case, case_of
+from solver.frequency.case import Case, Pushed, case_of
 from solver.frequency.condensed import Condensed
 from solver.hydrodynamics.bem.coefficients import Hydrodynamics
 from solver.lines import lengths, real_by_complex
@@ -201,19 +201,22 @@ def _mesh_effect(case: Case, law: JointLaw, last: _Round, wrench: np.ndarray) ->
 
     wrench (nw, nb, 6): all loads on the floats without them.
     """
-    if case.shifted is None:
+    h, other, model = case.hydrodynamics, case.shifted, case.model
+    if h is None or other is None:
         return 0.0
-    other, model = case.shifted, case.model
-    borne, push = case.channels.hinge_force(wrench), last.push + other.more
+    borne = case.channels.hinge_force(wrench)
 
-    def change(equation: Condensed, Y: np.ndarray) -> float:
-        X = equation.response(push, last.damping).T
-        forces = case.channels.hinge_force(model.loads(case.omega, X, Y, other.excitation))
+    def change(equation: Condensed, Y: np.ndarray, by: Pushed) -> float:
+        X = equation.response(last.push + by.more, last.damping).T
+        forces = case.channels.hinge_force(model.loads(case.omega, X, Y, by.excitation))
         motions = response_error(case.system, law, case.omega, X, last.X.T)
         return max(motions, force_error(case.system, forces, borne))
 
     return cancelled(
-        change(other.equation, other.impedance), other.unlike, lambda: change(case.equation, case.impedance)
+        change(other.equation, other.impedance, other.pushed),
+        other.unlike,
+        lambda: change(case.equation, case.impedance, other.pushed),
+        lambda: change(case.equation, case.impedance, case.pushed_by(h.forced)),
     )
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -63,7 +63,7 @@ def _mesh_effect(system: System, h: Hydrodynamics) -> float:
     exact, omega = _exact(system, h), system.scene.sea.omega
     net = exact.change(h.shifted, impedance(system, h.shifted, omega))
     off = unlike(exact.force.T, force_of_waves(system, h.shifted).T)
-    return cancelled(net, off, lambda: exact.change(h.shifted, exact.impedance))
+    return cancelled(net, off, *(partial(exact.change, by, exact.impedance) for by in (h.shifted, h.forced)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,13 +98,17 @@ def _exact(system: System, h: Hydrodynamics) -> _Exact:
     return _Exact.of(system, moving_model(system, h), h, impedance(system, h, system.scene.sea.omega))
 
 
-def cancelled(effect: float, unlike_forces: float, pushed: Callable[[], float]) -> float:
-    """What a mesh does, of its net effect, how much forces are off, and what those alone do.
+def cancelled(effect: float, unlike_forces: float, pushed: Callable[[], float], apart: Callable[[], float]) -> float:
+    """What a mesh does, of its net effect, how much forces are off, what those alone do, and what of that is not the
+    radiation's error as well: see `Hydrodynamics.forced`.
 
-    Errors of forces and of added mass may cancel each other in a response, and each is known within a factor alone.
-    Power goes by the square of forces: what could do no more is not asked for.
+    Errors of forces and of added mass may cancel each other in a response, and each is known within a factor alone; but
+    where they are one, they cancel by more than chance. Power goes by the square of forces: what could do no more is
+    not asked for.
     """
-    return max(effect, UNSURE * pushed()) if effect < UNSURE * 2 * unlike_forces else effect
+    if effect >= UNSURE * 2 * unlike_forces or (left := UNSURE * pushed()) <= effect:
+        return effect
+    return min(left, together([effect, apart()]))
 
 
 def unlike(force: np.ndarray, other: np.ndarray) -> float:

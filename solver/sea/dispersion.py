@@ -59,7 +59,7 @@ def group_share(k: ArrayLike, depth: float) -> np.ndarray:
     return share
 
 
-def over_depth(k: float, z: np.ndarray, depth: float) -> tuple[np.ndarray, np.ndarray]:
+def over_depth(k: np.ndarray | float, z: np.ndarray, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """cosh k(z+h)/cosh kh and sinh k(z+h)/cosh kh at heights z (np,) [m], by exponentials that do not overflow."""
     down, up, both = np.exp(k * z), np.exp(-k * (z + 2 * depth)), 1 + np.exp(-2 * k * depth)
     return (down + up) / both, (down - up) / both

@@ -1,6 +1,7 @@
 """An error asked for: settings follow it, and the record's estimate stands beside it."""
 
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -170,9 +171,11 @@ def test_errors_that_cancel_are_not_taken_for_none(buan, coefficients):
     """Of forces too small by as much as the linear model takes a heavier float to move less."""
     force = np.array([[3.0, 4.0], [1.0, 1.0j]])
     assert unlike(force, force * [[1.0], [1.05]]) == approx(0.05) and unlike(0 * force, 0 * force) == 0
-    assert cancelled(0.01, 0.01, lambda: pytest.fail("looked at though it can do no more")) == 0.01
-    assert cancelled(0.01, 0.05, lambda: 0.05) == pytest.approx(UNSURE * 0.05)
-    assert cancelled(0.03, 0.05, lambda: 0.05) == 0.03
+    unasked = partial(pytest.fail, "looked at though it can do no more")
+    assert cancelled(0.01, 0.01, unasked, unasked) == 0.01
+    assert cancelled(0.01, 0.05, lambda: 0.05, lambda: 0.05) == pytest.approx(UNSURE * 0.05)
+    assert cancelled(0.03, 0.05, lambda: 0.05, unasked) == 0.03
+    assert cancelled(0.01, 0.1, lambda: 0.1, lambda: 0.01) == pytest.approx(np.sqrt(2) * 0.01)
     still = MeshError(*(0 * part for part in coefficients.error))
     off = replace(coefficients, error=still._replace(diffraction=0.2 * coefficients.diffraction))
     for method in ("time", "frequency"):

@@ -20,7 +20,7 @@ from solver.hydrodynamics.radiation.memory import RadiationMemory
 from solver.hydrodynamics.radiation.passivity import own_transfers, radiates
 from solver.hydrodynamics.radiation.rational import ever_more_poles, fitted, mixed
 from solver.keys import Bits, shared
-from solver.sea.dispersion import wavenumbers
+from solver.sea.dispersion import over_depth, wavenumbers
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLANAR = ("surge", "heave", "pitch")
@@ -119,6 +119,28 @@ class Hydrodynamics:
         omega, samples, _ = shifted._heard
         beta = fitted(omega, mixed(samples, CLOSE), pairs) if pairs else self._poles
         return replace(shifted, rings=(beta[beta.imag > 0],) * 2)
+
+    @cached_property
+    def forced(self) -> "Hydrodynamics":
+        """The same coefficients plus the errors of forces that do not go with those of radiation.
+
+        Waves long beside a body push it by (m + A)u̇ of their water, as if it moved through still water at -u (G. I.
+        Taylor, 1928): one mesh gives both errors, δX = (δB - iωδA)u, and what moves with the water feels neither.
+        """
+        if self.error is None:
+            return self
+        radiated = self.error.radiation_damping - 1j * self.omega[:, None, None] * self.error.added_mass
+        apart = self.error.diffraction - (radiated @ self._water[..., None])[..., 0]
+        return replace(self, diffraction=self.diffraction + apart)
+
+    @property
+    def _water(self) -> np.ndarray:
+        """u (nw, n) [1/s] of the incident wave per amplitude at the bodies' centres of buoyancy; it does not turn."""
+        k = wavenumbers(self.omega, self.depth, self.gravity)[:, None]
+        level, rise = over_depth(k, self.buoyancy_centre, self.depth)
+        along = {"surge": np.cos(self.heading) * level, "sway": np.sin(self.heading) * level, "heave": -1j * rise}
+        u = np.stack([along.get(dof, 0 * level) for dof in self.dofs], axis=-1).reshape(len(k), -1)
+        return np.asarray(self.gravity * k / self.omega[:, None] * u * self.arrival(self.omega))
 
     def told(self, motions: Sequence[Sequence[str]]) -> "Hydrodynamics":
         """At the frequencies that panels resolve, for bodies with these motions: all up to the first that is not below

@@ -1,5 +1,6 @@
 """Coefficients of hulls that are meshes, against those of hulls of revolution and against published numbers."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -314,6 +315,18 @@ def test_errors_told_are_the_same_wherever_a_float_is():
         waves = here.error.diffraction * h.arrival(OMEGA)
         for told, known in zip(h.error, here.error._replace(diffraction=waves), strict=True):
             assert told == approx(known, rel=1e-6, abs=1e-9 * np.abs(known).max())
+
+
+def test_long_waves_push_a_body_as_if_it_moved_against_their_water():
+    """One mesh's errors of forces and of radiation are one by G. I. Taylor's relation, wherever the body is."""
+    hull, omega = PanelHull.of(*box((6.0, 4.0, 3.0))), np.linspace(0.25, 0.5, 4)
+    h = bem.solve(
+        (hull,), np.array([[30.0, -20.0, 0.0]]), depth=40.0, heading=0.7, omega=omega, planar=False, panels=108
+    )
+    known, apart = (np.abs(error[:, :3]) for error in (h.error.diffraction, h.forced.diffraction - h.diffraction))
+    assert np.all(apart < 0.1 * known)
+    alone = replace(h, error=None)
+    assert alone.forced is alone
 
 
 ROUND = {
