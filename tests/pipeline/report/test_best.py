@@ -42,6 +42,7 @@ def test_the_best_that_is_warned_of_beyond_its_estimated_error_is_marked():
     data = dataset([4, 3.9, 1], [1, 9, 9.5], occurrence=("sea_state", [3.0, 1.0])).isel(platform=0)
     words = np.full((2, 3, 2), "", object)
     words[1, 2, 1], words[0, 0], words[1, 1, 0] = f"it drifts: {UNCOUNTED}", "components repeat", UNCOUNTED
+    words[0, 2, 0] = UNCOUNTED  # no best one
     told = table(data.assign(warnings=(("sea_state", "pto_damping", "seed"), words)))
     assert [line[1].partition(" (warned)")[1] for line in told.lines] == [" (warned)", "", " (warned)"]
     assert OF_WARNED in told.note and OF_WARNED not in table(data).note
