@@ -450,7 +450,7 @@ def clean(
 ) -> None:
     """List, or with --orphans remove, results of no task of the study, and halves of coefficients of killed runs."""
     _, tasks, store = _open(study_file, results)
-    known = {name for task in tasks.passing() for name in (task.id, *task.older_ids)}
+    known = {name for task in tasks.passing() for name in (task.id, *task.under(task.older_versions))}
     with store.lock(lambda text: say(text, err)) if orphans else nullcontext():  # a run's new files look like strays
         strays = sorted(p for p in store.tasks.iterdir() if p.name not in known) if store.tasks.is_dir() else []
         strays += [*store.packs.strays(known), *sorted(leftovers(results / COEFFICIENTS))]

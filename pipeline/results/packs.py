@@ -21,7 +21,7 @@ from pipeline.results.status import Status
 
 TASK = "task"  # the dimension
 ATTRIBUTE = "attribute_"  # before the name of a record's attribute that is another in each
-ID = re.compile(rb'\{"id": "([0-9a-f]{16})"')  # how a line begins
+LINE = re.compile(rb'\{"id": "([0-9a-f]{16})", "model_version": (\d+)')  # how one begins
 FRESH = 1e9  # a folder that changed so lately may change again without another time [ns]
 
 Made = tuple[Mapping[str, Variable], Mapping[str, Any]]  # variables and attributes of a record
@@ -129,6 +129,7 @@ class Packs:
     def __init__(self, folder: Path):
         self.folder = folder
         self._lines: dict[str, tuple[Path, int, int, int]] = {}  # file, row, and where in it the row begins and ends
+        self._versions: set[int] = set()
         self._read: set[str] = set()
         self._changed = -1
         self._last = -1  # number of the last pack
@@ -149,6 +150,12 @@ class Packs:
         """Whether a task has an outcome in a pack."""
         self._look()
         return task_id in self._lines
+
+    @property
+    def versions(self) -> set[int]:
+        """Model versions of which a pack has outcomes."""
+        self._look()
+        return self._versions
 
     def row(self, task_id: str) -> tuple[str, int]:
         """Where a task's last outcome lies among all: its pack and its row; before all of them if in none."""
@@ -183,7 +190,7 @@ class Packs:
             return
         names = sorted(path.name for path in self.folder.glob("*.jsonl")) if changed else []
         if self._read - set(names):
-            self._lines, self._read = {}, set()
+            self._lines, self._versions, self._read = {}, set(), set()
         for name in names:
             if name not in self._read:
                 self._take(self.folder / name)
@@ -193,8 +200,9 @@ class Packs:
     def _take(self, path: Path) -> None:
         start = 0
         for number, line in enumerate(lines(path)):
-            if match := ID.match(line):
+            if match := LINE.match(line):
                 self._lines[match[1].decode()] = path, number, start, start + len(line)
+                self._versions.add(int(match[2]))
             start += len(line)
 
 

@@ -207,15 +207,20 @@ class Store:
     def look(self, task: Task, *, checksums: bool = False) -> Entry:
         """The state of a task from its files; `checksums` reads the record as well."""
         entry = self._look(task.id, checksums)
-        if entry.state == "missing" and self.begun():
-            for older in filter(self._named, task.older_ids):
+        if entry.state == "missing":
+            for older in filter(self._named, self._older(task)):
                 past = self._look(older, checksums)
                 if past.state == "done":
                     return replace(past, state="stale")
         return entry
 
+    def _older(self, task: Task) -> list[str]:
+        """Names of a task under earlier model versions that may be here: dozens, where folders may be of any."""
+        versions = task.older_versions
+        return task.under(versions if _holds(self.tasks) else [v for v in versions if v in self.packs.versions])
+
     def _named(self, task_id: str) -> bool:
-        """Whether anything has this name: dozens that nothing has are asked for of each task that is missing."""
+        """Whether anything has this name."""
         return os.path.exists(f"{self.tasks}/{task_id}") or task_id in self.packs
 
     def begun(self) -> bool:

@@ -75,12 +75,14 @@ class Task:
         return self.known or digest(self.parameters.canonical(), self.version)
 
     @property
-    def older_ids(self) -> list[str]:
-        """Names of the same task under earlier model versions, newest first."""
-        if self.version == 1:
-            return []
-        text = self.parameters.canonical()
-        return [digest(text, version) for version in range(self.version - 1, 0, -1)]
+    def older_versions(self) -> range:
+        """Earlier model versions, newest first."""
+        return range(self.version - 1, 0, -1)
+
+    def under(self, versions: Sequence[int]) -> list[str]:
+        """Names of the same task under model versions."""
+        text = self.parameters.canonical() if versions else ""
+        return [digest(text, version) for version in versions]
 
     @property
     def written_labels(self) -> dict[str, Label]:

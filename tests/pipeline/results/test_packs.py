@@ -15,7 +15,7 @@ from pipeline.results.dataset import collect, current
 from pipeline.results.netcdf import Variable, content
 from pipeline.results.packs import packed
 from pipeline.results.store import Store, together
-from pipeline.tasks.task import expand
+from pipeline.tasks.task import Task, expand
 
 README = Path(__file__).parents[3] / "pipeline" / "README.md"
 ERROR = {"error": {"kind": "ValueError", "message": "too much", "traceback": ""}}
@@ -168,6 +168,14 @@ def test_a_number_that_became_free_is_not_taken_again(store, tasks):
         path.unlink()
     keep(Store(store.root.parent, "small"), tasks[1:2], [3])
     assert powers(Store(store.root.parent, "small"), tasks[1:2]) == [3]
+
+
+def test_older_names_are_asked_for_where_packs_have_older_versions(store, tasks):
+    keep(store, tasks[:1], [1])
+    missing = Task(labels={}, make=lambda: pytest.fail("no older name can be here"), known="0" * 16)
+    assert store.look(missing).state == "missing"
+    newer = [Task(labels=task.labels, make=task.make, version=task.version + 1) for task in tasks[:2]]
+    assert [store.look(task).state for task in newer] == ["stale", "missing"]
 
 
 def test_the_last_outcome_counts(store, tasks):
