@@ -182,20 +182,16 @@ class Packs:
 
     def _look(self) -> None:
         """Read which tasks are in packs that were not there before."""
-        try:
-            changed = self.folder.stat().st_mtime_ns
-        except OSError:
-            changed = 0
-        if changed == self._changed:
+        now = changed(self.folder)
+        if now == self._changed:
             return
-        names = sorted(path.name for path in self.folder.glob("*.jsonl")) if changed else []
+        names = sorted(path.name for path in self.folder.glob("*.jsonl")) if now else []
         if self._read - set(names):
             self._lines, self._versions, self._read = {}, set(), set()
         for name in names:
             if name not in self._read:
                 self._take(self.folder / name)
-        self._read, newest = set(names), time.time_ns() - changed < FRESH
-        self._changed = -1 if newest else changed
+        self._read, self._changed = set(names), unless_fresh(now)
 
     def _take(self, path: Path) -> None:
         start = 0
@@ -204,6 +200,19 @@ class Packs:
                 self._lines[match[1].decode()] = path, number, start, start + len(line)
                 self._versions.add(int(match[2]))
             start += len(line)
+
+
+def changed(folder: Path) -> int:
+    """When a folder last did [ns], 0 if there is none."""
+    try:
+        return folder.stat().st_mtime_ns
+    except OSError:
+        return 0
+
+
+def unless_fresh(changed: int) -> int:
+    """A time that a folder shows until it changes again; -1, which is none, if it may do so without showing it."""
+    return -1 if time.time_ns() - changed < FRESH else changed
 
 
 def lines(path: Path) -> list[bytes]:

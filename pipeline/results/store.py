@@ -86,6 +86,14 @@ def together(entries: Sequence[Entry]) -> Mapping[str, Variable]:
     return packs.together(places) if places else entries[0].made()[0]
 
 
+def _content(path: Path) -> bytes:
+    """Of a file, empty if it cannot be read."""
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
+
+
 def _holds(folder: Path) -> bool:
     """Whether there is anything in a folder."""
     try:
@@ -194,6 +202,9 @@ class Store:
         self.root = results / study
         self.tasks = self.root / "tasks"
         self.packs = Packs(self.root / "packs")
+        self._of: dict[str, int] = {}  # model version of a task's folder
+        self._unread: set[str] = set()  # folders that had no outcome yet
+        self._changed = -1
 
     def command(self, verb: str, study: Path, *words: str) -> str:
         """What to type about a study whose results are here."""
@@ -215,9 +226,21 @@ class Store:
         return entry
 
     def _older(self, task: Task) -> list[str]:
-        """Names of a task under earlier model versions that may be here: dozens, where folders may be of any."""
-        versions = task.older_versions
-        return task.under(versions if _holds(self.tasks) else [v for v in versions if v in self.packs.versions])
+        """Names of a task under earlier model versions that may be here."""
+        versions = self._versions()
+        return task.under([version for version in task.older_versions if version in versions])
+
+    def _versions(self) -> set[int]:
+        """Model versions of which there are outcomes; a name is always of one."""
+        changed = packs.changed(self.tasks)
+        if changed != self._changed:
+            self._unread = set(os.listdir(self.tasks) if changed else ()) - self._of.keys()
+            self._changed = packs.unless_fresh(changed)
+        for name in self._unread:
+            if line := packs.LINE.match(_content(self.folder(name) / "status.json")):
+                self._of[name] = int(line[2])
+        self._unread -= self._of.keys()
+        return {*self._of.values(), *self.packs.versions}
 
     def _named(self, task_id: str) -> bool:
         """Whether anything has this name."""

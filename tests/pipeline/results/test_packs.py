@@ -170,12 +170,13 @@ def test_a_number_that_became_free_is_not_taken_again(store, tasks):
     assert powers(Store(store.root.parent, "small"), tasks[1:2]) == [3]
 
 
-def test_older_names_are_asked_for_where_packs_have_older_versions(store, tasks):
+def test_older_names_are_asked_for_where_there_are_older_versions(store, tasks):
     keep(store, tasks[:1], [1])
+    store.keep([(tasks[2], b"record", {})])
     missing = Task(labels={}, make=lambda: pytest.fail("no older name can be here"), known="0" * 16)
     assert store.look(missing).state == "missing"
-    newer = [Task(labels=task.labels, make=task.make, version=task.version + 1) for task in tasks[:2]]
-    assert [store.look(task).state for task in newer] == ["stale", "missing"]
+    newer = [Task(labels=task.labels, make=task.make, version=task.version + 1) for task in tasks[:3]]
+    assert [store.look(task).state for task in newer] == ["stale", "missing", "stale"]
 
 
 def test_the_last_outcome_counts(store, tasks):
