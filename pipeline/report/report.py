@@ -233,16 +233,17 @@ def answers(data: xr.Dataset) -> list[Answer]:
 
 
 def estimated(data: xr.Dataset) -> str:
-    """What records say of the error of any mean, rms or std: the range over tasks, and whose the largest is."""
+    """What records say of the error of any mean, rms or std: the range over tasks, whose the largest is, and what is
+    not judged."""
     each = data["estimated_error"].compute() if "estimated_error" in data else None
     if each is None or each.isnull().all():
         return ""
     worst = each.isel(each.argmax(...))
-    if float(each.min()) == float(worst):
-        return f"{float(worst):.1e}"
-    at = ", ".join(f"{dim}={worst[dim].values}" for dim in each.dims if each.sizes[dim] > 1)
     least, largest = (f"{float(end):.1e}" for end in (each.min(), worst))
-    return largest if not at or least == largest else f"{least} to {largest}, the largest of {at}"
+    at = ", ".join(f"{dim}={worst[dim].values}" for dim in each.dims if each.sizes[dim] > 1)
+    text = largest if not at or least == largest else f"{least} to {largest}, the largest of {at}"
+    unjudged = ", ".join(name for name in governing.ASKED_FOR if name in data)
+    return f"{text}; not of {unjudged}" if unjudged else text
 
 
 def print_summary(data: xr.Dataset, console: Console) -> None:

@@ -101,6 +101,8 @@ def test_the_largest_error_is_told_with_its_task():
     data = xr.Dataset({"estimated_error": each}).assign_coords(seed=[0, 7])
     assert report.estimated(data) == "1.0e-03 to 4.0e-03, the largest of sea_state=rough, seed=0"
     assert report.estimated(data.isel(sea_state=1, seed=0)) == "4.0e-03"
+    steel = dict.fromkeys(("pile_force", "fibre_stress", "bottom_stress"), data.estimated_error)
+    assert report.estimated(data.isel(sea_state=1, seed=0).assign(steel)) == "4.0e-03; not of fibre_stress, pile_force"
     assert report.estimated(1.0 + 1e-3 * data) == "1.0e+00"  # as far as it is told
     assert report.estimated(data.where(data.estimated_error == data.estimated_error.max())) == "4.0e-03"
     assert report.estimated(data.isel(sea_state=0, seed=[1])) == report.estimated(xr.Dataset()) == ""
