@@ -182,7 +182,9 @@ def _grown(waves: Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray)
 def _of_motions(
     case: Case, law: JointLaw, waves: Waves, response: Response, linear: np.ndarray, X: np.ndarray, slow: BelowWaves
 ) -> float:
-    """Largest relative change of a coordinate's std, and of its rate's square where that is power absorbed."""
+    """Largest relative change of a coordinate's std, and of its rate's square, mean and std, where that is power
+    absorbed. How its square varies is told as by these waves: second harmonics do more to it than to its mean.
+    """
     rate = waves.omega[:, None]
     powers = squares(response.X)
     square, of_rate = powers.sum(axis=0), response.omega**2 @ powers
@@ -193,7 +195,9 @@ def _of_motions(
     grown = _grown(waves, square, linear, np.where(told[:, None], 0.0, X)) + 2 * slow.variance
     std = np.sqrt(grown[used] / square[used])
     power = _grown(waves, of_rate, rate * linear, rate * X)[takes] / of_rate[takes]
-    return float(np.abs(np.concatenate([std, power]) - 1).max(initial=0.0))
+    was, varies = (np.std(waves.lattice.at_instants(-1j * rate * x)[:, takes] ** 2, axis=0) for x in (linear, X))
+    varies = np.divide(varies, was, out=np.ones(was.size), where=was > 0)
+    return float(np.abs(np.concatenate([std, power, varies]) - 1).max(initial=0.0))
 
 
 def _of_forces(case: Case, waves: Waves, forces: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> float:

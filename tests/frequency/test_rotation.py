@@ -128,10 +128,11 @@ def largest(march, lines, names):
     """Largest relative difference of a std, or of a mean power, of what is not small beside others."""
     worst = 0.0
     for name in (name for name in names if name in march):
-        at = STATISTICS.index("mean" if name == "absorbed_power" else "std")
-        exact, told = (np.nan_to_num(x[name][1][..., at]) for x in (march, lines))
-        used = told > 0.02 * told.max()
-        worst = max(worst, np.abs(exact[used] / told[used] - 1).max(initial=0.0))
+        for statistic in ("mean", "std") if name == "absorbed_power" else ("std",):
+            at = STATISTICS.index(statistic)
+            exact, told = (np.nan_to_num(x[name][1][..., at]) for x in (march, lines))
+            used = told > 0.02 * told.max()
+            worst = max(worst, np.abs(exact[used] / told[used] - 1).max(initial=0.0))
     return worst
 
 
@@ -234,7 +235,7 @@ def test_in_a_sea_it_is_told_as_the_march_shows(name, angle):
     numerics = {"memory_tolerance": 1e-3, "time_step": period / 1200, "newton_tolerance": 1e-10}
     record = simulate(linear(item, method="time", keep_series=True, **lasting, **numerics), h)
     seen = largest(record.variables, lines.variables, (*BORNE, *(["bottom_stress"] if item.platform else [])))
-    assert 0.65 < seen / lines.attrs["rotation_effect"] < 1.4
+    assert 0.55 < seen / lines.attrs["rotation_effect"] < 1.4
     # Joints' forces are about as skewed, by which their extremes are to be larger.
     case = case_of(item, h)
     law = case.law(item.floats)
