@@ -226,6 +226,15 @@ def of_parts_in(stream: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return in_stream(stream.T, covariance(u))
 
 
+def equivalent(stream: np.ndarray, water: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean (ns, nd) [m²/s²] and K (ns, nd, nd) [m/s] of velocities (nw, nd, ns) in a current; those of waves without
+    height are none."""
+    water = water[np.any(water, axis=(1, 2))]
+    if not stream.any():
+        return np.zeros(stream.T.shape), of_lines(water)
+    return of_parts_in(stream, parts(water))
+
+
 def covariance(u: np.ndarray) -> np.ndarray:
     """(n, d, d) of lines as in of_parts (d, n, 2 nw)."""
     d, n = u.shape[:2]

@@ -7,6 +7,8 @@ import numpy as np
 from solver.coupled.scheme import LOBATTO, Scheme
 from solver.kernels import fast_lean_kernel, kernel, lean_kernel, whole_kernel
 
+ROUNDS = 40  # that tell within some per cent how much drag answers
+
 
 class Structure(NamedTuple):
     """Modes of the support and its drag stations; all empty for a fixed support."""
@@ -35,12 +37,11 @@ def drag(
     since: int,
     force: np.ndarray,
     flow: np.ndarray,
-    power: np.ndarray,
 ) -> None:
     """Modal drag of relative velocity, ½ρC_D D|u-v|(u-v), at a step's stages from `since` on, added to force (2, nm).
 
-    flow (2, nd, ns) is left with the stations' drag [N], power (2,) with that on the frame [W]. Stations are innermost,
-    so that both products with the modal shapes run along memory.
+    flow (2, nd, ns) is left with the stations' drag [N]. Stations are innermost, so that both products with the modal
+    shapes run along memory.
     """
     for s in range(since, 2):
         flow[s] = 0.0
@@ -49,9 +50,8 @@ def drag(
         _relative_drag(structure.drag, water.flow[s], flow[s])
         if water.wet.size:
             _partly_wet(water.wet[s], water.push[s], flow[s])
-        power[s] = 0.0
         for d in range(flow.shape[1]):
-            power[s] += _add_loads(structure.station, d, dp[s], flow[s, d], force[s])
+            _add_loads(structure.station, d, flow[s, d], force[s])
 
 
 @fast_lean_kernel(forceinline=True)
@@ -72,9 +72,9 @@ def _add_rates(station: np.ndarray, d: int, rate: np.ndarray, flow: np.ndarray) 
 
 
 @fast_lean_kernel(forceinline=True)
-def _add_loads(station: np.ndarray, d: int, rate: np.ndarray, flow: np.ndarray, force: np.ndarray) -> float:
-    """force (nm,) += station[:, d] flow (ns,) of drag; its power [W] at rates (nm,)."""
-    nm, power = rate.size, 0.0
+def _add_loads(station: np.ndarray, d: int, flow: np.ndarray, force: np.ndarray) -> None:
+    """force (nm,) += station[:, d] flow (ns,) of drag."""
+    nm = force.size
     for m in range(0, nm - 1, 2):
         first, second, x, y = station[m, d], station[m + 1, d], 0.0, 0.0
         for i in range(flow.size):
@@ -82,14 +82,11 @@ def _add_loads(station: np.ndarray, d: int, rate: np.ndarray, flow: np.ndarray, 
             y += second[i] * flow[i]
         force[m] += x
         force[m + 1] += y
-        power += x * rate[m] + y * rate[m + 1]
     if nm % 2:
         last, x = station[nm - 1, d], 0.0
         for i in range(flow.size):
             x += last[i] * flow[i]
         force[nm - 1] += x
-        power += x * rate[nm - 1]
-    return power
 
 
 @fast_lean_kernel(forceinline=True)
@@ -120,6 +117,24 @@ def _partly_wet(wet: np.ndarray, push: np.ndarray, flow: np.ndarray) -> None:
     for d in range(flow.shape[0]):
         for i in range(wet.size):
             flow[d, i] = wet[i] * flow[d, i] + push[d, i]
+
+
+def answer(structure: Structure, resistance: np.ndarray, inverse: np.ndarray, dt: float) -> float:
+    """By how many times as much the drag changes by what a change of it moves within a step.
+
+    Spectral radius, by rounds, of what drag SᵀRS by stage rates dt A D⁻¹ makes of stage loads, see `flexibility`;
+    resistance R (ns, nd, nd) [N s/m].
+    """
+    if not resistance.any():
+        return 0.0
+    station, rates = structure.station, dt * LOBATTO.A @ inverse
+    load, sizes = np.random.default_rng(0).normal(size=(structure.omega.size, 2)), np.ones(ROUNDS)
+    for n in range(ROUNDS):
+        moved = np.tensordot(station, (rates @ load[..., None])[..., 0], (0, 0))  # (nd, ns, 2)
+        load = np.tensordot(station, np.einsum("sde,esk->dsk", resistance, moved), 2)
+        sizes[n] = np.linalg.norm(load)
+        load /= sizes[n]
+    return float(np.exp(np.log(sizes[ROUNDS // 2 :]).mean()))  # they go to and fro with a pair of complex ones
 
 
 @whole_kernel

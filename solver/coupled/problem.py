@@ -7,7 +7,7 @@ import numpy as np
 
 from solver.coupled.energy import WORKS
 from solver.coupled.memory import Memory
-from solver.coupled.modal import Structure, flexibility
+from solver.coupled.modal import Structure, answer, flexibility
 from solver.coupled.newton import Newton, constant_part, new_newton
 from solver.coupled.scheme import LOBATTO, Scheme
 from solver.coupled.stages import Stages, Start, new_stages
@@ -99,6 +99,7 @@ class Problem(NamedTuple):
     dt: float
     tolerance: float  # of Newton's last update of any stage position [m or rad]
     near: float  # [m or rad] a stage may be from where its pressure and drag were evaluated, see NEAR
+    slight: float  # [m] a mode may move until drag, which answers with less than the tolerance, is evaluated again
     iterations: int  # of Newton's method, at most
     part: bool  # whether steps are pieces of others, one like the other
     short: bool  # whether pressure and drag at a step's middle are near the mean of those at its ends
@@ -126,17 +127,20 @@ def new_problem(
     bent: np.ndarray,
     pace: np.ndarray,
     swing: np.ndarray,
+    resistance: np.ndarray,
     dt: float,
     tolerance: float,
     iterations: int,
 ) -> Problem:
-    """Constants for steps of dt [s]; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone."""
+    """Constants for steps of dt [s]; stiffness (nz, nz) of the floats at rest, for Newton's matrix alone; resistance
+    (ns, nd, nd) of the drag's stations [N s/m], to tell how much drag answers."""
     nz = bodies.mechanism.size
     inverse, H = flexibility(structure, dt)
+    answered = answer(structure, resistance, inverse, dt)
     constant = np.empty((2 * nz, 2 * nz))
     constant_part(bodies, memory, stiffness, dt, constant)
     fixed = (stiffness, np.array(beta, complex), bent, pace, swing)  # read-only poles would be another type to compile
-    of_newton = (dt, tolerance, NEAR * tolerance, iterations)
+    of_newton = (dt, tolerance, NEAR * tolerance, tolerance / answered if answered > 0 else np.inf, iterations)
     return Problem(bodies, structure, memory, inverse, H, constant, *fixed, *of_newton, False, False, LOBATTO)
 
 
@@ -152,7 +156,6 @@ def new_workspace(bodies: Bodies, structure: Structure) -> Workspace:
             np.empty((bodies.axes.size, 6)),
             np.empty(structure.omega.size),
             np.empty(structure.station.shape[1:]),
-            np.zeros(1),
             np.zeros(1, np.bool_),
         ),
         stage=new_stages(bodies, structure.omega.size),

@@ -47,9 +47,8 @@ class Start(NamedTuple):
     velocity: np.ndarray  # (na,) of what radiates
     anchor: np.ndarray  # (nz,) coordinates at which pressure there was evaluated
     pressure: np.ndarray  # (nb, 6)
-    drag: np.ndarray  # (nm,) on the modes, (nd, ns) flow at the stations, and its (1,) power: see modal.drag
+    drag: np.ndarray  # (nm,) on the modes, and (nd, ns) flow at the stations: see modal.drag
     flow: np.ndarray
-    power: np.ndarray
     known: np.ndarray  # (1,) whether these have been evaluated
 
 

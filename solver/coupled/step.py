@@ -77,7 +77,8 @@ def _converge(problem: Problem, drive: Drive, sample: int, state: State, room: W
     for spent in range(1, problem.iterations + 1):
         change = collocate(problem.structure, problem.inverse, problem.dt, problem.scheme, state, room.start, stage)
         follow(problem.bodies, problem.memory, stage)
-        fresh = spent == first or stage.z.size == 0 or (spent > first and moved(stage) > problem.near)
+        far = spent > first and (moved(stage) > problem.near or change > problem.slight)
+        fresh = spent == first or stage.z.size == 0 or far
         if fresh:
             _evaluate(problem, drive, sample, room)
         load_bodies(problem.bodies, drive.excitation[sample : sample + 2], stage)
@@ -131,22 +132,21 @@ def _evaluate(problem: Problem, drive: Drive, sample: int, room: Workspace) -> N
     for s in range(since, 2):
         copy(stage.z[s], stage.anchor[s])
         pressures(problem.bodies, stage.motion[s], drive.field[sample + s], room.pressure, stage.pressure[s])
-    end, power = sample + 2, room.power[1:, FRAME_DRAG]
+    end = sample + 2
     water = WaterAbout(drive.station[sample:end], drive.wet[sample:end], drive.push[sample:end])
-    drag(problem.structure, water, stage.dp, since, stage.drag, room.flow, power)
+    drag(problem.structure, water, stage.dp, since, stage.drag, room.flow)
     if between:
-        _halfway(room.start, stage, room.flow, power)
+        _halfway(room.start, stage, room.flow)
 
 
 @kernel(inline="always")
-def _halfway(start: Start, stage: Stages, flow: np.ndarray, power: np.ndarray) -> None:
-    """Pressure and drag at a step's middle, from those at its ends; flow (2, nd, ns), power (2,): see modal.drag."""
+def _halfway(start: Start, stage: Stages, flow: np.ndarray) -> None:
+    """Pressure and drag at a step's middle, from those at its ends; flow (2, nd, ns): see modal.drag."""
     for m in range(start.drag.size):
         stage.drag[0, m] = 0.5 * (start.drag[m] + stage.drag[1, m])
     for d in range(start.flow.shape[0]):
         for i in range(start.flow.shape[1]):
             flow[0, d, i] = 0.5 * (start.flow[d, i] + flow[1, d, i])
-    power[0] = 0.5 * (start.power[0] + power[1])
     for i in range(stage.z.shape[1]):
         stage.anchor[0, i] = 0.5 * (start.anchor[i] + stage.anchor[1, i])
     for b in range(stage.pressure.shape[1]):
@@ -205,11 +205,12 @@ def power_at(problem: Problem, drive: Drive, sample: int, state: State, room: Wo
     """Fill room.power, at the step's three points."""
     structure, stage, power = problem.structure, room.stage, room.power
     for s in range(2):
-        inertia = structural = 0.0
+        inertia = drag = structural = 0.0
         for m in range(structure.omega.size):
             inertia += drive.modal[sample + s, m] * stage.dp[s, m]
+            drag += stage.drag[s, m] * stage.dp[s, m]
             structural += 2 * structure.damping[m] * structure.omega[m] * stage.dp[s, m] ** 2
-        power[1 + s, FRAME_INERTIA], power[1 + s, STRUCTURAL] = inertia, structural
+        power[1 + s, FRAME_INERTIA], power[1 + s, FRAME_DRAG], power[1 + s, STRUCTURAL] = inertia, drag, structural
         of_floats = powers(problem.bodies, coordinates(stage, s), stage.motion[s], stage.external[s], stage.memory[s])
         power[1 + s, WAVE], power[1 + s, RADIATION], power[1 + s, PTO], power[1 + s, JOINT_DAMPING] = of_floats
     copy(state.power, power[0])
@@ -278,7 +279,6 @@ def advance(problem: Problem, state: State, room: Workspace) -> None:
     copy(stage.drag[1], start.drag)
     for d in range(room.flow.shape[1]):
         copy(room.flow[1, d], start.flow[d])
-    start.power[0] = room.power[2, FRAME_DRAG]
     copy(start.z[nc:], state.z)
     copy(start.dz[nc:], state.dz)
     copy(stage.p[1], state.p)

@@ -5,7 +5,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from solver.coupled import assembly, stretching
+from solver.coupled import assembly, linear_drag, stretching
 from solver.coupled.energy import AT_START, SCALE, WORKS, energy
 from solver.coupled.equilibrium import Differences, balance, differences, equilibrium, symmetric_stiffness, weights
 from solver.coupled.memory import Memory
@@ -93,7 +93,7 @@ class System:
         load = np.zeros((2, self.structure.omega.size))
         both = WaterAbout(*(np.repeat(part[:1], 2, axis=0) for part in (drive.station, drive.wet, drive.push)))
         if both.flow.any() or both.push.any():
-            drag(self.marched, both, np.zeros(load.shape), 1, load, np.empty(both.flow.shape), np.empty(2))
+            drag(self.marched, both, np.zeros(load.shape), 1, load, np.empty(both.flow.shape))
         return load[1]
 
     @property
@@ -145,7 +145,7 @@ class System:
         scene = replace(self.scene, settings=replace(self.scene.settings, time_step=dt))
         memory = assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0])
         other = replace(self, scene=scene, dt=dt, memory=memory)
-        kept = ("equilibrium", "_at_rest", "differences", "factored")
+        kept = ("equilibrium", "_at_rest", "differences", "factored", "resistance")
         vars(other).update({name: value for name, value in vars(self).items() if name in kept})
         return other
 
@@ -274,10 +274,25 @@ class System:
             bent=bent,
             pace=self.pace,
             swing=self.swing,
+            resistance=self.resistance,
             dt=self.dt,
             tolerance=self.newton_tolerance,
             iterations=ITERATIONS,
         )
+
+    @cached_property
+    def resistance(self) -> np.ndarray:
+        """R (ns, nd, nd) [N s/m] of the frame's stations, by drag linearised by the water's own velocity."""
+        drag, (_, nd, ns) = self.structure.drag, self.structure.station.shape
+        if self.support is None or not drag.any():
+            return np.zeros((ns, nd, nd))
+        return drag[:, None, None] * linear_drag.equivalent(self.support.stream, self.water_at_stations)[1]
+
+    @property
+    def water_at_stations(self) -> np.ndarray:
+        """Velocity (nw, nd, ns) of the waves' water at the frame's stations."""
+        shape = self.structure.station.shape[1:]
+        return np.asarray(self.rows[self.layout.station].T.reshape(self.scene.sea.omega.size, *shape))
 
     def series(self, dt: float, block: int = 2 * BLOCK_STEPS + 1) -> WaveSeries:
         """All that the wave drives, at samples dt/2 apart, blocks of at most `block`."""

@@ -31,10 +31,10 @@ class InWaves(NamedTuple):
 def in_waves(system: System, h: Hydrodynamics | None) -> InWaves:
     """Of a scene."""
     support, omega = system.support, system.scene.sea.omega
-    station, water = system.structure.station, _beside(system)
+    station, water = system.structure.station, system.water_at_stations
     drag, mean = np.zeros(water.shape, complex), np.zeros(water.shape[1:])
     if support is not None and drag.size:
-        force, K = _equivalent(support.stream, water)
+        force, K = linear_drag.equivalent(support.stream, water)
         drag, mean = system.structure.drag * linear_drag.by_station(K, water), system.structure.drag * force.T
     flat = drag.reshape(len(drag), math.prod(station.shape[1:]))
     force = force_of_waves(system, h, flat @ station.reshape(len(station), flat.shape[1]).T)
@@ -51,23 +51,5 @@ def carried(system: System, h: Hydrodynamics | None, X: np.ndarray) -> np.ndarra
 
 def drag_damping(system: System) -> np.ndarray:
     """Of the modes (nm, nm), by drag linearised so."""
-    frame, support, nm = system.structure, system.support, system.structure.omega.size
-    if support is None or not frame.drag.any():
-        return np.zeros((nm, nm))
-    K = frame.drag[:, None, None] * _equivalent(support.stream, _beside(system))[1]
-    return np.asarray(np.einsum("mds,sde,nes->mn", frame.station, K, frame.station, optimize=True))
-
-
-def _beside(system: System) -> np.ndarray:
-    """Velocity (nw, nd, ns) of the waves' water at the stations."""
     station = system.structure.station
-    return np.asarray(system.rows[system.layout.station].T.reshape(system.scene.sea.omega.size, *station.shape[1:]))
-
-
-def _equivalent(stream: np.ndarray, water: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean (ns, nd) [m²/s²] and K (ns, nd, nd) [m/s] of the waves' own velocity (nw, nd, ns) in a current; those
-    without height are none."""
-    water = water[np.any(water, axis=(1, 2))]
-    if not stream.any():
-        return np.zeros(stream.T.shape), linear_drag.of_lines(water)
-    return linear_drag.of_parts_in(stream, linear_drag.parts(water))
+    return np.asarray(np.einsum("mds,sde,nes->mn", station, system.resistance, station, optimize=True))

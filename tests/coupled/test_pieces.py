@@ -445,12 +445,12 @@ def test_ringing_after_hits_leaves_newton_within_its_tolerance():
 def test_at_a_short_piece_s_middle_pressure_and_drag_are_between_those_of_its_ends():
     system = prepare(*SCENES["unequal_legs"]())
     room, dice = new_workspace(system.bodies, system.structure), np.random.default_rng(3)
-    start, stage, power = room.start, room.stage, np.zeros(2)
+    start, stage = room.start, room.stage
     ends = [(start.anchor, stage.anchor), (start.pressure, stage.pressure), (start.drag, stage.drag)]
-    ends += [(start.flow, room.flow), (start.power, power)]
+    ends += [(start.flow, room.flow)]
     for part in sum(ends, ()):
         part[:] = dice.normal(size=part.shape)
-    _halfway(start, stage, room.flow, power)
+    _halfway(start, stage, room.flow)
     for before, after in ends:
         assert after[0] == approx((before + after[1]) / 2)
 

@@ -7,7 +7,7 @@ import pytest
 from pytest import approx
 
 from solver.coupled import driving, ritz, support, surroundings, typical
-from solver.coupled.modal import Structure, WaterAbout, drag, flexibility
+from solver.coupled.modal import Structure, WaterAbout, answer, drag, flexibility
 from solver.coupled.scheme import LOBATTO
 from solver.errors import InputError
 from solver.run import simulate
@@ -126,7 +126,7 @@ def reduced(waves, modes=4, **changes):
 @pytest.mark.parametrize("modes", [4, 5])
 @pytest.mark.parametrize("partly", [False, True])
 def test_kernel_drag_is_that_of_relative_velocity(waves, partly, modes):
-    """Power and modal force of ½ρC_D D|u - v|(u - v) at both stages, summed over stations in plain numpy.
+    """Modal force of ½ρC_D D|u - v|(u - v) at both stages, summed over stations in plain numpy.
 
     Of stations that are wet in part that share, and what pushes besides. At a step's end alone nothing is done before.
     """
@@ -138,19 +138,17 @@ def test_kernel_drag_is_that_of_relative_velocity(waves, partly, modes):
     dp = random.normal(size=(2, s.omega.size))
     wet = random.uniform(size=(2, s.drag.size)) if partly else np.zeros((2, 0))
     push = 1e3 * random.normal(size=u.shape) if partly else np.zeros((2, 1, 0))
-    force, power = np.ones_like(dp), np.empty((2, 2))[:, 0]  # a column, as the march has it: compiled once
-    flow = np.empty_like(u)
-    drag(structure, WaterAbout(u, wet, push), dp, 0, force, flow, power)
+    force, flow = np.ones_like(dp), np.empty_like(u)
+    drag(structure, WaterAbout(u, wet, push), dp, 0, force, flow)
     v = np.einsum("mdn,sm->sdn", shape, dp)
     load = s.drag * np.linalg.norm(u - v, axis=1, keepdims=True) * (u - v)
     if partly:
         load = wet[:, None] * load + push
     assert flow == approx(load, rel=1e-12)
     assert force == approx(1 + np.einsum("mdn,sdn->sm", shape, load), rel=1e-12)
-    assert power == approx(np.sum(load * v, axis=(1, 2)), rel=1e-12)
-    late, at_end = np.ones_like(dp), np.full((2, 2), 7.0)[:, 0]
-    drag(structure, WaterAbout(u, wet, push), dp, 1, late, flow, at_end)
-    assert (late[0] == 1).all() and at_end[0] == 7.0 and (late[1] == force[1]).all() and at_end[1] == power[1]
+    late = np.ones_like(dp)
+    drag(structure, WaterAbout(u, wet, push), dp, 1, late, flow)
+    assert (late[0] == 1).all() and (late[1] == force[1]).all()
 
 
 def test_basis_is_orthonormal_and_holds_the_static_answer(waves):
@@ -271,6 +269,23 @@ def test_flexibility_inverts_the_stage_equations():
     D = np.eye(2) + 2 * zeta * omega * dt * LOBATTO.A + (omega * dt) ** 2 * LOBATTO.AA
     assert inverse[0] @ D == approx(np.eye(2), abs=1e-14)
     assert H[:, 0, :, 0] == approx(inverse[0])
+
+
+def test_how_much_drag_answers_is_the_spectral_radius_of_what_it_moves(waves):
+    """Of stage loads by drag -SᵀRS on stage rates dt A D⁻¹, a matrix of all modes at both stages."""
+    s, random, dt = reduced(waves, 5), np.random.default_rng(2), 0.3
+    shape = np.ascontiguousarray(s.station_shape.transpose(2, 1, 0))
+    structure = Structure(s.omega, 0.02 + 0 * s.omega, s.carrier, shape, s.drag, 0 * s.omega)
+    nm, nd, ns = shape.shape
+    root = random.normal(size=(ns, nd, nd))
+    resistance = 1e3 * (root @ root.swapaxes(1, 2))
+    inverse, _ = flexibility(structure, dt)
+    damping = np.einsum("mds,sde,nes->mn", shape, resistance, shape)
+    moved = np.einsum("mn,nab->manb", damping, dt * LOBATTO.A @ inverse).reshape(2 * nm, 2 * nm)
+    radius = np.abs(np.linalg.eigvals(moved)).max()
+    assert answer(structure, resistance, inverse, dt) == approx(radius, rel=0.1)
+    assert answer(structure, 3 * resistance, inverse, dt) == approx(3 * answer(structure, resistance, inverse, dt))
+    assert answer(structure, 0 * resistance, inverse, dt) == 0.0
 
 
 def test_weight_on_a_pushed_column_bends_it_further_and_its_foot_bears_that():

@@ -75,6 +75,7 @@ def of_length(problem: Problem, length: float, smooths: bool, fine: Fine) -> Pro
         length,
         max(problem.tolerance * share, LEAST),
         problem.near / share,
+        problem.slight,
         problem.iterations,
         True,
         share <= SHORT,
