@@ -42,6 +42,7 @@ STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
 ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
 GROWS, IN_VAIN = 3.0, 4  # times the least change, and rounds since that, which no more rounds make agree
 ROUNDING = 1e-10  # of the linear motions
+STANDS = 0.5  # of a response's square: waves that have less of it stand for no more than they have
 AGREED = 0.05  # last change of the harmonics, of what turning changes of them
 
 
@@ -108,6 +109,7 @@ def turning_effect(
             carried = _carried(case, waves, load, (load[:, None] @ onto)[:, 0], further)
             error = max(
                 _of_motions(case, law, waves, response, linear, found, slow),
+                _of_tops(case, waves, response, linear, found),
                 _of_forces(case, waves, told, usual, exact),
                 *_of_frame(case, waves, frame, standing.lines(frame.lines), further, carried, slow.compression),
             )
@@ -176,6 +178,7 @@ def _grown(waves: Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray)
     others[[0, *own]] = 0.0
     besides = np.tensordot(others, squares(exact), 1)
     change = np.divide(grown - was, was, out=np.zeros(was.shape), where=was > 0)
+    change *= np.minimum(1.0, np.divide(was, STANDS * full, out=np.ones(was.shape), where=full > 0))
     return np.maximum(full * (1 + waves.more[own[0]] * change) + besides, 0.0)
 
 
@@ -198,6 +201,17 @@ def _of_motions(
     was, varies = (np.std(waves.lattice.at_instants(-1j * rate * x)[:, takes] ** 2, axis=0) for x in (linear, X))
     varies = np.divide(varies, was, out=np.ones(was.size), where=was > 0)
     return float(np.abs(np.concatenate([std, power, varies]) - 1).max(initial=0.0))
+
+
+def _of_tops(case: Case, waves: Waves, response: Response, linear: np.ndarray, X: np.ndarray) -> float:
+    """The same of the std of the legs' tops along x, y and z: loads that turn may push them to the side."""
+    if case.channels.legs is None:
+        return 0.0
+    tops = case.channels.legs.tops
+    modes = tops.reshape(len(tops), -1)
+    full, usual, exact = (lines[:, : len(tops)] @ modes for lines in (response.X[: case.waves.size], linear, X))
+    square = squares(full).sum(axis=0)
+    return _changed(square, _grown(waves, square, usual, exact))
 
 
 def _of_forces(case: Case, waves: Waves, forces: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> float:
