@@ -122,7 +122,7 @@ def met(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> 
             j = axes.index(f.motion[0])
             strokes[f.name] = inside(f.jointed, low[b, j], high[b, j])
     for a, b_, at in scene.meetings(strokes):
-        yield f"floats.{a} and floats.{b_} meet at {at}, where each of them came; no load tells of it"
+        yield f"floats.{a} and floats.{b_} meet at {at}, where they came; no load tells of it"
 
 
 def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -> Iterator[str]:
@@ -139,18 +139,19 @@ def swung(scene: Scene, axes: Sequence[str], tables: Mapping[str, np.ndarray]) -
                 )
 
 
-def bared(floats: Sequence[Float], moved: np.ndarray) -> Iterator[str]:
-    """A sentence for each float of which a third of waves moves the surface past it, by `moved` (nb,), beyond an end of
-    its hull."""
+def bared(floats: Sequence[Float], moved: np.ndarray, waves: int) -> Iterator[str]:
+    """A sentence for each float of which a third of waves, or the one, moves the surface past its middle or a side, by
+    `moved` (nb,), beyond an end of its hull."""
     for f, far in zip(floats, moved, strict=True):
         above = f.hull.freeboard if f.hull.closed and abs(f.hull.freeboard) > FLUSH * f.hull.draft else np.inf
         ends = {UNDER: -above} if above < 0 else {"draft": f.hull.draft, "freeboard": above}
         end = min(ends, key=ends.__getitem__)
         if far > ends[end]:
             yield (
-                f"floats.{f.name}: a third of waves moves the surface past it by {far:.3g} m, beyond its {end} of"
-                f" {ends[end]:.3g} m, and linear pressure knows no end of a hull: no part of the estimated error, but"
-                ' solver.method = "time" has it, with body-nonlinear forces'
+                f"floats.{f.name}: {'the wave' if waves == 1 else 'a third of waves'} moves the surface past it, or"
+                f" past a side of it, by {far:.3g} m, beyond its {end} of {ends[end]:.3g} m, and linear pressure knows"
+                ' no end of a hull: no part of the estimated error, but solver.method = "time" has it, with'
+                " body-nonlinear forces"
             )
 
 

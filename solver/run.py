@@ -1,7 +1,7 @@
 """One scene in, one record out: prepare, march block by block, and read the record."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from solver.coupled.blocks import blocks, energy_residual, unbalanced
 from solver.coupled.boundary import coefficients, needed
 from solver.coupled.energy import AT_START, WORKS, energy
+from solver.coupled.moving import surface_past
 from solver.coupled.natural import require_stable, require_upright, system_modes, with_critical_damping, with_usual_step
 from solver.coupled.preparation import remembering
 from solver.coupled.problem import Output
@@ -26,6 +27,7 @@ from solver.record.audit import audit, doubts
 from solver.record.bound import above
 from solver.record.channels import Record
 from solver.record.decay import died
+from solver.record.effects import motions
 from solver.record.probe import Probe, sharpest_bend
 from solver.record.recorder import Recorder
 from solver.record.refit import prepared
@@ -33,7 +35,7 @@ from solver.record.shares import Shares
 from solver.record.starting import drifting, from_rest, left_over
 from solver.record.turning import turning
 from solver.record.unknown import without_unknown
-from solver.remarks import beyond_tables, left_series, of_motions
+from solver.remarks import bared, beyond_tables, left_series, of_motions
 from solver.scene import Scene
 
 # What the record says of how it was computed.
@@ -209,6 +211,7 @@ def _run(
         *(() if settling else left_over(system, hydrodynamics)),
         *drifting(system, hydrodynamics, recorder.settling, channels, tables),
         *from_rest(system, hydrodynamics),
+        *_washed(system, hydrodynamics),
         *probe.notes(recorder),
         *above(scene, tables, attrs["estimated_error"], attrs["stored_energy_change"]),
         *cautions(hydrodynamics),
@@ -216,3 +219,10 @@ def _run(
     ):
         attrs["warnings"] = "; ".join(odd)
     return recorder.record(tables, attrs, modes)
+
+
+def _washed(system: System, h: Hydrodynamics | None) -> Iterator[str]:
+    """Sentences for hulls past whose ends waves move the surface, by the linear model, where pressure is linear."""
+    scene, met = system.scene, np.abs(system.scene.sea.amplitude) > 0
+    if h is not None and scene.floats and met.any() and scene.settings.froude_krylov == "linear":
+        yield from bared(scene.floats, surface_past(system, met, motions(system, h)[met]), int(met.sum()))

@@ -1,6 +1,7 @@
 """A scene in its own sea to first order: what pushes it, and how its joints' laws damp what moves."""
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,9 +12,10 @@ from solver.hydrodynamics.bem.coefficients import DOFS, Hydrodynamics
 from solver.hydrodynamics.bem.incident import Sea
 from solver.hydrodynamics.bem.mean_hull import froude_krylov
 from solver.keys import shared
-from solver.lines import lengths
+from solver.lines import lengths, squares
 from solver.multibody.linearised import beyond_rest, damping_at_rest, damping_of_lines
 from solver.multibody.of_axes import bent, drag, latch_loads, room
+from solver.sea.field import wave_field
 
 KNOWN = 8  # models that a process keeps
 AGREED = 1e-2  # of a damping that errors are estimated with
@@ -107,3 +109,37 @@ def excitation(system: System, h: Hydrodynamics, omega: np.ndarray) -> np.ndarra
     for kind in kinds:
         force += h.excitation(omega, kind)
     return force
+
+
+class _Waterplane(NamedTuple):
+    """Places of the floats at still water, five of each: its middle, and its sides along x and y."""
+
+    lift: np.ndarray  # (5nb, nz) upwards by unit coordinates
+    surface: np.ndarray  # (nw, 5nb) of the scene's waves
+
+
+@lru_cache(maxsize=KNOWN)
+def _waterplane(system: System) -> _Waterplane:
+    """The sides of the rectangle with the waterplane's area and second moments; of a hull under water its middle."""
+    scene, (body, _, rest) = system.scene, system.resting.value
+    field = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
+    planes = np.array([f.hull.waterplane for f in scene.floats])
+    area, moments, second = planes[:, :1], planes[:, 1:3], planes[:, [3, 5]]
+    middle, square = (np.divide(m, area, out=np.zeros(m.shape), where=area > 0) for m in (moments, second))
+    half = np.sqrt(3 * (square - middle**2).clip(min=0.0))
+    aside = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+    places = middle[:, None] + aside * half[:, None]  # (nb, 5, 2)
+    J = jacobian(body, rest)[:, None]
+    lift = J[:, :, 2] + J[:, :, 3] * places[..., 1:] - J[:, :, 4] * places[..., :1]
+    centres = np.array([f.centre for f in scene.floats])[:, None] + np.pad(places, ((0, 0), (0, 0), (0, 1)))
+    return _Waterplane(lift.reshape(5 * len(planes), rest.size), field.elevation(centres.reshape(-1, 3)).T)
+
+
+def surface_past(system: System, met: np.ndarray, Z: np.ndarray) -> np.ndarray:
+    """By how much the surface moves past each float's middle or one of its sides (nb,) [m] in a third of waves, or in
+    the one: of those `met` (nw,), which move the floats' coordinates by lines Z (nw, nz)."""
+    if not system.scene.floats:
+        return np.zeros(0)
+    at = _waterplane(system)
+    past = squares(Z @ at.lift.T - at.surface[met]).sum(axis=0).reshape(-1, 5)
+    return np.sqrt(past.max(axis=1) * (1 if len(Z) == 1 else 2))

@@ -7,6 +7,8 @@ frames swing on their own: see left. That goes with no rate in the mean, and so 
 it is the harmonics of f.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from solver.errors import SimulationFailed
@@ -19,6 +21,7 @@ from solver.frequency.shape import warped
 from solver.frequency.steps import Steps
 from solver.multibody.joint_law import JointLaw
 from solver.multibody.of_axes import drag
+from solver.record.steel import Steel
 from solver.scene import DOFS
 
 LITTLE = 0.1  # of the largest std of its kind: less is not looked at
@@ -46,14 +49,15 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
     pushed[..., nm + axes] = -force
     borne = np.zeros((omega.size, many, frame.lines.shape[1]), complex)
     (X, Y), lacks = case.driven(omega, pushed, response.damping), None
+    by_joints = np.stack([_borne(case, omega, Y, X[:, k]) for k in range(many)], axis=1)
+    borne += by_joints
     if dragged:
         X[:, 0], of_drag = _swung(case, response, numbers, X[:, 0])
         lacks = _lacks(case, response, numbers, X[:, 0])
         if support is not None and support.forces is not None:
-            borne[:, 0] = support.forces.whole(of_drag @ support.forces.drag)
+            borne[:, 0] = support.forces.whole(of_drag @ support.forces.drag) + _borne(case, omega, Y, X[:, 0])
     joints = np.empty((omega.size, many, len(case.system.scene.floats), 3), complex)
     for k in range(many):
-        borne[:, k] += _borne(case, omega, Y, X[:, k])
         joints[:, k] = _across(case, axes, model.loads(omega, X[:, k], Y, np.zeros((1, 1, 1))))
     duration, begin = (2 * np.pi / of.omega[0], 0.0) if one else (of.duration, of.begin)
     process = gaussian.Process(np.append(of.omega, at), duration, 0 if one else of.others + at.size, begin)
@@ -62,11 +66,13 @@ def rung(case: Case, law: JointLaw, response: Response, frame: Forces) -> Rung:
     forces = np.concatenate([channels.hinge_force(response.wrench), joints.reshape(at.size, *joints.shape[2:])])
     mean = mean_forces(case, response)
     loads = np.concatenate([moved * _linear(load, gaussian.spread(moved)), force.reshape(at.size, -1)])
+    ringing = by_joints.reshape(at.size, -1)
     if one:
         of_joints = gaussian.table(mean, forces, process)
-        return Rung(process, X, frame, of_joints, *_of_steel(case, frame, loads, None), lacks)
+        return Rung(process, X, frame, of_joints, *_of_steel(case, frame, ringing, loads, None), lacks)
     more = _beyond_gaussian(case, load, moved, response.excess[0, axes], loads)
-    return Rung(process, X, frame, _of_joints(case, mean, forces, loads, more), *_of_steel(case, frame, loads, more))
+    of_steel = _of_steel(case, frame, ringing, loads, more)
+    return Rung(process, X, frame, _of_joints(case, mean, forces, loads, more), *of_steel)
 
 
 def _linear(load: Load, sigma: np.ndarray) -> np.ndarray:
@@ -116,8 +122,11 @@ def _of_joints(case: Case, mean: np.ndarray, forces: np.ndarray, loads: np.ndarr
     return table
 
 
-def _of_steel(case: Case, frame: Forces, loads: np.ndarray, more: np.ndarray | None) -> tuple[float, float]:
-    """Largest ones to be expected of steel over those of Gaussian lines (nl, ny), and the share that rings.
+def _of_steel(
+    case: Case, frame: Forces, ringing: np.ndarray, loads: np.ndarray, more: np.ndarray | None
+) -> tuple[float, float]:
+    """Largest ones to be expected of steel over those of Gaussian lines (nl, ny), and the share that joints ring by
+    lines (ne, ny): the members' drag is no part of that.
 
     (1 + s² (r² - 1))^½ as of joints, of each load; not less than 1: what rings comes in bursts, and makes up for what
     loads that are cut off have less. loads (nl, nj): their lines; without `more` of one wave, whose phases are known.
@@ -125,17 +134,21 @@ def _of_steel(case: Case, frame: Forces, loads: np.ndarray, more: np.ndarray | N
     steel, largest, rings = case.channels.steel, 1.0, 0.0
     if steel is None or not loads.size:
         return largest, rings
-    borne = [lines for _, lines in steel.channels(frame.lines)]
-    if steel.counts:
-        borne += [steel.fibres(forces, at) for at, forces in steel.ends(frame.lines).items()]
-    for lines in borne:
-        every = lines.reshape(len(lines), -1)
-        size = gaussian.spread(every)
-        y = every[:, size > LITTLE * size.max(initial=0.0)]
+    for lines, own in zip(_borne_by(steel, frame.lines), _borne_by(steel, ringing), strict=True):
+        size = gaussian.spread(lines)
+        felt = size > LITTLE * size.max(initial=0.0)
         if more is not None:
-            largest = float(np.max(np.sqrt(1 + _alike(y, loads) * more), initial=largest))
-        rings = max(rings, gaussian.share(y, slice(case.omega.size, None)))
+            largest = float(np.max(np.sqrt(1 + _alike(lines[:, felt], loads) * more), initial=largest))
+        rings = float(np.max((gaussian.spread(own)[felt] / size[felt]) ** 2, initial=rings))
     return largest, rings
+
+
+def _borne_by(steel: Steel, forces: np.ndarray) -> Iterator[np.ndarray]:
+    """Lines (nl, n) of each of steel's outputs and, where ranges are counted, of its fibres, by those of forces."""
+    for _, lines in steel.channels(forces):
+        yield lines.reshape(len(lines), -1)
+    for at, ends in steel.ends(forces).items() if steel.counts else ():
+        yield steel.fibres(ends, at).reshape(len(forces), -1)
 
 
 def _harmonics(numbers: np.ndarray, load: np.ndarray) -> np.ndarray:

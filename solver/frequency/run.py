@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.coupled.assembly import joint_law
-from solver.coupled.linear import jacobian
+from solver.coupled.moving import surface_past
 from solver.frequency import drift, gaussian, ringing
 from solver.frequency.bent import fastest
 from solver.frequency.case import Case, case_of
@@ -46,7 +46,6 @@ from solver.record.spectra import bands, crossings, moments
 from solver.record.steel import Steel
 from solver.remarks import bared, beyond_tables, drag_driven, of_motions, pulled, skewed, stopped
 from solver.scene import Scene, require_waves
-from solver.sea.field import wave_field
 from solver.statistics import FAINT
 
 NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
@@ -177,7 +176,7 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
         *case.warnings,
         *idle(scene),
         *of_motions(scene, case.channels.axes, tables, case.system.joints_at_rest),
-        *bared(scene.floats, _past(case, response)),
+        *bared(scene.floats, surface_past(case.system, case.met, response.Z[: case.waves.size]), case.waves.size),
         *_beyond_tables(of),
         *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),
@@ -190,15 +189,6 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
         *(() if slipping else doubts(scene.settings, errors)),  # that something slips says why by itself
     ]
     return errors, notes
-
-
-def _past(case: Case, response: Response) -> np.ndarray:
-    """By how much the surface moves past each float's reference point (nb,) [m] in a third of waves, or in the one."""
-    scene, (body, _, rest), waves = case.system.scene, case.system.resting.value, case.waves.size
-    sea = wave_field(scene.sea, scene.water.depth, scene.water.gravity, scene.current)
-    surface = sea.elevation(np.array([f.centre for f in scene.floats]).reshape(-1, 3))[:, case.met]
-    up = jacobian(body, rest)[:, 2] @ response.Z[:waves].T
-    return (np.sqrt(2) if waves == 1 else 2) * gaussian.spread((up - surface).T)
 
 
 def _beyond_tables(of: _Solved) -> tuple[str, ...]:

@@ -98,6 +98,12 @@ def _exact(system: System, h: Hydrodynamics) -> _Exact:
     return _Exact.of(system, moving_model(system, h), h, impedance(system, h, system.scene.sea.omega))
 
 
+def motions(system: System, h: Hydrodynamics) -> np.ndarray:
+    """Lines (nw, nz) of the floats' coordinates in the linear response to the scene's waves."""
+    exact = _exact(system, h)
+    return np.asarray(exact.motions @ exact.model.shape.T)
+
+
 def cancelled(effect: float, unlike_forces: float, pushed: Callable[[], float], apart: Callable[[], float]) -> float:
     """What a mesh does, of its net effect, how much forces are off, what those alone do, and what of that is not the
     radiation's error as well: see `Hydrodynamics.forced`.

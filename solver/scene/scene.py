@@ -291,8 +291,8 @@ class Scene:
             if any((*first, *second)) and (b.on in (a.on, a.name) or a.on == b.name):
                 at = meeting(a.jointed, b.jointed, (first, second))
                 if at is not None:
-                    units = ["m" if item.jointed.slides else "rad" for item in (a, b)]
-                    each = [f"{place:+.3g} {unit}" for place, unit in zip(at, units, strict=True)]
+                    moved = (pair[:2] for pair in zip((a, b), at, (b, a), strict=True) if pair[2].on != pair[0].name)
+                    each = (f"{place:+.3g} {'m' if item.jointed.slides else 'rad'}" for item, place in moved)
                     yield a.name, b.name, " and ".join(each)
 
     @property

@@ -277,3 +277,15 @@ def test_a_frame_that_swings_is_nearer_to_gaussian_than_its_drag(own, ratio):
     kept = drag_effect._followed(case, 0, 0.0, moved, moved, push, 3)
     assert kept * (35 / 3 - 3) == approx(exact, rel=0.45)
     assert kept > 0.92 or own < 8
+
+
+def test_harmonics_of_drag_are_no_ringing_of_joints():
+    """Across the wave a current's drag has even harmonics alone, which sections bear much of; its float has a
+    damper that hardly goes with the rate's square."""
+    item, h = floating(20.0)
+    outputs = "reactions", "section_forces"
+    settings = replace(item.settings, method="frequency", froude_krylov="linear", outputs=outputs)
+    floats = tuple(replace(f, quadratic_damping=5.0) for f in item.floats)
+    waves, stream = regular(height=0.7, period=5.0, heading=SLANTED), Current(speed=0.5, direction=2.2)
+    told = simulate(replace(item, sea=waves, current=stream, floats=floats, settings=settings), h).attrs
+    assert "joints' loads ring" not in told.get("warnings", "")

@@ -9,6 +9,7 @@ from scipy.integrate import dblquad
 
 from solver.coupled import linear_drag as drag
 from solver.coupled.linear import impedance, linear_model
+from solver.coupled.moving import _waterplane, surface_past
 from solver.coupled.preparation import prepare
 from solver.errors import InputError, SimulationFailed
 from solver.frequency import condensed, gaussian, response
@@ -16,15 +17,15 @@ from solver.frequency.case import case_of
 from solver.frequency.condensed import LANES, Condensed, _lanes, _side_by_side
 from solver.frequency.gaussian import Process
 from solver.frequency.response import respond
-from solver.frequency.run import _past
+from solver.hydrodynamics.hull.box import box
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
 from solver.remarks import bared
 from solver.run import simulate
-from solver.scene import Settings
+from solver.scene import Float, Settings
 from solver.sea.realization import components, regular
 from solver.statistics import moments
-from tests.awkward import SCENES, scene, sea
+from tests.awkward import SCENES, known, scene, sea
 
 LINES = np.array([5, 6, 7, 9, 11, 14, 17])  # of a sea that repeats
 
@@ -562,10 +563,37 @@ def test_a_surface_that_moves_past_an_end_of_a_hull_is_told(Hs, said):
     told = frequency(held, h).attrs.get("warnings", "")
     assert (f"by {size:.3g} m, beyond" in told) == bool(said) and said in told
     of = case_of(linear(held, method="frequency"), h)
-    assert _past(of, respond(linear(held, method="frequency"), h)) == approx(size, rel=1e-3)
+    past = surface_past(of.system, of.met, respond(linear(held, method="frequency"), h).Z)
+    assert past == approx(size, rel=1e-3)
     ball, known = SCENES["soft_mooring"]()
     free = linear(replace(ball, sea=regular(height=4.0, period=18.0, heading=0.0)), method="frequency")
-    assert _past(case_of(free, known), respond(free, known)) < 0.2  # of 2 m
+    of = case_of(free, known)
+    assert surface_past(of.system, of.met, respond(free, known).Z) < 0.2  # of 2 m
+
+
+def test_of_a_long_hull_that_pitches_the_ends_are_looked_at():
+    """A box of 16 m by its pitch alone, and following a wave as long as 12 of it by its height and slope."""
+    hull = box(length=16.0, width=5.0, height=1.5, draft=1.0)
+    mass, free = 1025 * hull.volume, {"motion": ("heave", "pitch"), "damping": (5e3, 5e4)}
+    long = Float(name="long", hull=hull, mass=mass, inertia=(4e5, 1.6e6, 1.8e6), hinge=(0.0, 0.0, 0.0), **free)
+    alone = {"radiation": False, "diffraction": False, "froude_krylov": "linear"}
+    item = scene((long,), waves=regular(height=2.0, period=11.0, heading=0.0), **alone)
+    system = prepare(item, known(item, 0.3, 3.0, 5))
+    one, surface = np.ones(1, bool), _waterplane(system).surface
+    assert surface_past(system, one, np.array([[0.0, 5.0]])) == approx(8 * 5.0, rel=0.03)  # beside the wave's 1 m
+    slope = (surface[0, 1] - surface[0, 2]) / 16
+    assert abs(slope) == approx((2 * np.pi / 11) ** 2 / 9.81, rel=0.05)  # of deep water
+    assert surface_past(system, one, np.array([[surface[0, 0], -slope]])) < 0.06
+
+
+def test_linear_marches_tell_it_too_and_those_with_the_whole_hull_do_not():
+    item, h = SCENES["oblique"]()
+    held = replace(item, sea=regular(height=1.4, period=6.0, heading=np.pi / 6))
+    held = replace(held, floats=tuple(replace(f, pto_damping=1e9) for f in item.floats))
+    for method, pressure, told in (("frequency", "linear", 1), ("time", "linear", 1), ("time", "body-nonlinear", 0)):
+        settings = replace(item.settings, method=method, froude_krylov=pressure, duration=12.0, discard=12.0, ramp=6.0)
+        said = simulate(replace(held, settings=settings), h).attrs.get("warnings", "")
+        assert said.count("the wave moves the surface past it, or past a side of it, by 0.7 m, beyond") == told * 2
 
 
 def test_each_end_of_a_hull_is_named():
@@ -576,7 +604,7 @@ def test_each_end_of_a_hull_is_named():
         ring(((0.2, -3.0), (1.0, -3.0), (1.0, -0.7), (0.2, -0.7))),
     ]
     floats = [replace(item.floats[0], hull=hull) for hull in hulls]
-    told = list(bared(floats, np.array([0.65, 0.45, 0.75])))
+    told = list(bared(floats, np.array([0.65, 0.45, 0.75]), 9))
     ends = ("freeboard of 0.6 m", "draft of 0.4 m", "top's depth of 0.7 m")
     assert [end in words for words, end in zip(told, ends, strict=True)] == [True] * 3
-    assert not list(bared(floats, np.array([0.55, 0.35, 0.65])))
+    assert not list(bared(floats, np.array([0.55, 0.35, 0.65]), 9))
