@@ -133,6 +133,8 @@ def answer(structure: Structure, resistance: np.ndarray, inverse: np.ndarray, dt
         moved = np.tensordot(station, (rates @ load[..., None])[..., 0], (0, 0))  # (nd, ns, 2)
         load = np.tensordot(station, np.einsum("sde,esk->dsk", resistance, moved), 2)
         sizes[n] = np.linalg.norm(load)
+        if not sizes[n] > 0:  # at stations that no mode moves
+            return 0.0
         load /= sizes[n]
     return float(np.exp(np.log(sizes[ROUNDS // 2 :]).mean()))  # they go to and fro with a pair of complex ones
 

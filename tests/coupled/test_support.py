@@ -286,6 +286,7 @@ def test_how_much_drag_answers_is_the_spectral_radius_of_what_it_moves(waves):
     assert answer(structure, resistance, inverse, dt) == approx(radius, rel=0.1)
     assert answer(structure, 3 * resistance, inverse, dt) == approx(3 * answer(structure, resistance, inverse, dt))
     assert answer(structure, 0 * resistance, inverse, dt) == 0.0
+    assert answer(structure._replace(station=0 * shape), resistance, inverse, dt) == 0.0
 
 
 def test_weight_on_a_pushed_column_bends_it_further_and_its_foot_bears_that():
