@@ -178,7 +178,7 @@ def _in_record(
     means = [_of_record(v, longer, last) for v in powers]
     rms, std = np.sqrt(means[1]), np.sqrt(means[2])
     of_rms, of_std = _scales(rms, std, np.broadcast_to(least, x.shape[1:]).ravel())
-    return mean, powers, means, np.array([of_rms, 2 * rms * of_rms, 2 * std * of_std])
+    return mean, powers, means, np.array([of_rms, 2 * rms * of_rms, np.maximum(2 * std, FAINT * of_std) * of_std])
 
 
 def _largest(errors: np.ndarray) -> float:
@@ -202,14 +202,15 @@ def _sizes(x: np.ndarray, y: np.ndarray, least: np.ndarray) -> tuple[np.ndarray,
     """ȳ (n,) and what differences of the means of `_powers` of x and y are to be divided by (3, n).
 
     They are then those of mean, rms and std, scaled as solver.statistics.apart does: 1, 2r and 2σ times the scale,
-    with r of y and σ the mean of x's and y's.
+    with r of y and σ the mean of x's and y's; of what hardly varies beside that, whose squares' differences are
+    rounding, FAINT of it.
     """
     least = np.broadcast_to(least, y.shape[1:]).ravel()
     x, y = x.reshape(len(x), -1), y.reshape(len(y), -1)
     mean, rms, std = y.mean(axis=0), np.sqrt(np.mean(y**2, axis=0)), y.std(axis=0)
     of_rms, of_std = _scales(rms, std, least)
     both = np.sqrt(np.mean((x - mean) ** 2, axis=0)) + std
-    return mean, np.array([of_rms, 2 * rms * of_rms, both * of_std])
+    return mean, np.array([of_rms, 2 * rms * of_rms, np.maximum(both, FAINT * of_std) * of_std])
 
 
 def _scales(rms: np.ndarray, std: np.ndarray, least: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

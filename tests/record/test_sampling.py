@@ -68,6 +68,13 @@ def test_rounding_of_what_stands_still_is_no_error():
     assert error(*weight) < 1e-6 and between_samples({"x": weight[0]}, {}, 1.0) < 1e-6
 
 
+def test_rounding_of_squares_that_pieces_know_is_no_error():
+    """Of a weight that a joint bears and that does not vary: a piece's squares of it err by its last bits."""
+    weight, last = np.full((600, 1), 9810.0) + 1e-11 * RNG.normal(size=(600, 1)), np.finfo(float).eps * 9810.0**2
+    cut = {"x": Cuts(np.array([100]), np.zeros((1, 1)), np.array([[last]]))}
+    assert expected_error({"x": weight}, {"x": weight}, {"x": np.array(9.81)}, 1.0, (cut, {})) < 1e-6
+
+
 def test_channels_that_a_float_does_not_have_count_for_nothing():
     gone = np.column_stack([WAVE, np.full(len(WAVE), np.nan)])
     assert error(1.01 * gone, gone) == approx(error(1.01 * WAVE), rel=1e-12)
