@@ -16,11 +16,11 @@ from pipeline.results.variables import meaning
 if TYPE_CHECKING:
     import xarray as xr
 
-# In this order; of what has statistics the larger of max and -min.
 ASKED_FOR = (  # of the steel, by `outputs`
     "node_acceleration", "fibre_stress", "fibre_stress_top", "member_stress", "utilisation", "section_force",
     "section_moment", "base_shear", "overturning_moment", "pile_force", "reaction_force", "reaction_moment",
 )  # fmt: skip
+# In this order; of what has statistics the larger of max and -min.
 OF = (
     "rotation", "motion", "pto_force", "pto_stroke", "impact_rate", "end_stop_load", "hinge_force", "line_tension",
     "top_displacement", "bottom_stress", *ASKED_FOR,

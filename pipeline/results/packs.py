@@ -216,7 +216,7 @@ def unless_fresh(changed: int) -> int:
 
 
 def lines(path: Path) -> list[bytes]:
-    """Of a pack's statuses; none if they cannot be read."""
+    """Of a pack's statuses, or of a task's; none if they cannot be read."""
     try:
         return path.read_bytes().splitlines(keepends=True)
     except OSError:

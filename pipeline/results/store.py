@@ -86,14 +86,6 @@ def together(entries: Sequence[Entry]) -> Mapping[str, Variable]:
     return packs.together(places) if places else entries[0].made()[0]
 
 
-def _content(path: Path) -> bytes:
-    """Of a file, empty if it cannot be read."""
-    try:
-        return path.read_bytes()
-    except OSError:
-        return b""
-
-
 def _holds(folder: Path) -> bool:
     """Whether there is anything in a folder."""
     try:
@@ -202,8 +194,9 @@ class Store:
         self.root = results / study
         self.tasks = self.root / "tasks"
         self.packs = Packs(self.root / "packs")
-        self._of: dict[str, int] = {}  # model version of a task's folder
-        self._unread: set[str] = set()  # folders that had no outcome yet
+        self._of: set[int] = set()  # model versions of tasks' folders that have been read
+        self._read: set[str] = set()  # which, and which had no outcome yet
+        self._unread: set[str] = set()
         self._changed = -1
 
     def command(self, verb: str, study: Path, *words: str) -> str:
@@ -234,13 +227,14 @@ class Store:
         """Model versions of which there are outcomes; a name is always of one."""
         changed = packs.changed(self.tasks)
         if changed != self._changed:
-            self._unread = set(os.listdir(self.tasks) if changed else ()) - self._of.keys()
+            self._unread = set(os.listdir(self.tasks) if changed else ()) - self._read
             self._changed = packs.unless_fresh(changed)
-        for name in self._unread:
-            if line := packs.LINE.match(_content(self.folder(name) / "status.json")):
-                self._of[name] = int(line[2])
-        self._unread -= self._of.keys()
-        return {*self._of.values(), *self.packs.versions}
+        for name in tuple(self._unread):
+            for line in filter(None, map(packs.LINE.match, packs.lines(self.folder(name) / "status.json"))):
+                self._of.add(int(line[2]))
+                self._read.add(name)
+                self._unread.discard(name)
+        return self._of | self.packs.versions
 
     def _named(self, task_id: str) -> bool:
         """Whether anything has this name."""
