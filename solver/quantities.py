@@ -8,7 +8,7 @@ import operator
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -76,14 +76,39 @@ def _judged(inputs: type) -> list[tuple[str, Quantity, Any]]:
     return [(name, quantity, usual[name]) for name, quantity in quantities(inputs).items()]
 
 
+@lru_cache
+def _worded(inputs: type) -> list[tuple[str, tuple[str, ...], bool, Any]]:
+    """Name, words, whether a number will do, and default of each field of a class of inputs that is one of some words,
+    or several of them."""
+    usual, hints = {f.name: f.default for f in fields(inputs)}, get_type_hints(inputs)
+    words = {name: tuple(_words(hints[name])) for name in usual}
+    return [(name, words[name], int in get_args(hints[name]), usual[name]) for name in usual if words[name]]
+
+
+def _words(hint: Any) -> Iterator[str]:
+    if get_origin(hint) is Literal:
+        yield from get_args(hint)
+    else:
+        for part in get_args(hint):
+            yield from _words(part)
+
+
 def out_of_range(inputs: Any, key: str) -> Iterator[InputError]:
-    """An error for every field of inputs that is outside its range; None and words are skipped."""
+    """An error for every field of inputs that is outside its range, or none of its words; None is skipped."""
     for name, quantity, usual in _judged(type(inputs)):  # type: ignore[arg-type]  # mypy: its instances' __hash__
         value = getattr(inputs, name)
         if value is usual or value is None or isinstance(value, str):  # most are the default, which is in range
             continue
         if limit := quantity.limit(value if isinstance(value, (float, int)) else np.asarray(value, float)):
             yield InputError(f"{key}.{name}", value, limit)
+    for name, words, or_number, usual in _worded(type(inputs)):  # type: ignore[arg-type]
+        value = getattr(inputs, name)
+        if value is usual or (or_number and not isinstance(value, str)):
+            continue
+        for one in value if isinstance(value, tuple) else (value,):
+            if one not in words:
+                limit = f"must be one of {', '.join(words)}" + ", or a number" * or_number
+                yield InputError(f"{key}.{name}", one, limit)
 
 
 def take_tuples(inputs: Any) -> None:

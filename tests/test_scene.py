@@ -11,6 +11,8 @@ from solver.hydrodynamics.hull.revolution import Revolution
 from solver.mooring import Mooring
 from solver.scene import EndStops, Float, Platform, Scene, Settings, Water
 from solver.sea.current import Current, CurrentSpeed
+from solver.sea.realization import realize
+from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.frame import Frame
 from tests.awkward import unequal_legs
 
@@ -30,6 +32,10 @@ def carried(**changes):
 
 def two(apart, **changes):
     return Scene(water=Water(depth=50.0), floats=(one(**changes), replace(one(), name="b", hinge=(apart, 0.0, 0.0))))
+
+
+def drawn(**changes):
+    return realize(PiersonMoskowitz(Hs=1.0, Tp=5.0), components=9, band=(0.5, 2.0), seed=0, **changes)
 
 
 @pytest.mark.parametrize(
@@ -70,6 +76,12 @@ def two(apart, **changes):
             lambda buan: Scene(water=buan.water, sea=buan.regular(0.1, 2.0), settings=Settings(time_step=0.53)),
             "settings.time_step = 0.53: must be <= 0.524 s, a sixth of the shortest wave's period, 3.14 s",
         ),
+        (lambda _: Settings(froude_krylov="nonlinear"), "froude_krylov = nonlinear: must be one of body-nonlinear, li"),
+        (lambda _: Settings(modes="most"), "settings.modes = most: must be one of all, or a number"),
+        (lambda _: Settings(outputs=("reactions", "wear")), "settings.outputs = wear: must be one of reactions, "),
+        (lambda buan: buan.platform(wave_stretching="wheel"), "platform.wave_stretching = wheel: must be one of none"),
+        (lambda _: PiersonMoskowitz(Hs=1.0, Tp=5.0, form="T1"), "spectrum.form = T1: must be one of peak, mean"),
+        (lambda _: drawn(intervals="equal"), "intervals = equal: must be one of random, even"),
     ],
 )
 def test_what_cannot_be_is_refused(buan, build, message):

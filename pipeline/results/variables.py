@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from pipeline.study.axes import Axis
@@ -269,10 +270,15 @@ def meaning(name: str, axes: Iterable[str] = ()) -> dict[str, str]:
 
     axes: of the joints; where some slide and some turn, what goes with both has no unit but theirs.
     """
+    return dict(_meaning(name, tuple(axes)))
+
+
+@lru_cache(maxsize=1024)
+def _meaning(name: str, axes: tuple[str, ...]) -> dict[str, str]:
     name = name.removesuffix(SERIES).removesuffix(FOUND)
     for suffix, (pattern, words) in OF_OUTPUTS.items():
         if name.endswith(suffix):
-            return _spectral(meaning(name.removesuffix(suffix), axes), pattern, words)
+            return _spectral(_meaning(name.removesuffix(suffix), axes), pattern, words)
     known = VARIABLES.get(name) or KNOBS.get(name) or COORDINATES.get(name)
     attrs = known.attrs() if known else {"long_name": name.replace("_", " ")}
     if "{" in attrs.get("units", ""):

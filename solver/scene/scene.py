@@ -19,7 +19,7 @@ from solver.quantities import take_tuples
 from solver.scene.arrangement import is_planar, lines_mirrored, on_others, out_of_place, unlisted
 from solver.scene.floats import STARTS, Float
 from solver.scene.platform import Platform
-from solver.scene.settings import OUTPUTS, Settings
+from solver.scene.settings import Settings
 from solver.scene.turning import turned_over
 from solver.scene.water import STILL_WATER, Water
 from solver.sea.current import Current
@@ -132,8 +132,6 @@ class Scene:
 
     def _output_problems(self) -> Iterator[InputError]:
         outputs = self.settings.outputs
-        if strange := sorted(set(outputs) - set(OUTPUTS)):
-            yield InputError("settings.outputs", strange[0], f"must be of {', '.join(OUTPUTS)}")
         if self.settings.rao and self.settings.method == "time" and self.sea.amplitude.any():
             apart = np.diff(self.sea.omega, prepend=0.0).min()
             if not self.settings.duration * apart >= 2 * np.pi * (1 - 1e-9):

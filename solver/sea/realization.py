@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from solver.errors import InputError
 from solver.quantities import require_positive
 from solver.sea.spectrum import Jonswap, PiersonMoskowitz, Spectrum, moment
+
+Intervals = Literal["random", "even"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -56,7 +58,7 @@ def realize(
     components: int,
     band: tuple[float, float],
     seed: int | Sequence[int],
-    intervals: Literal["random", "even"] = "random",
+    intervals: Intervals = "random",
     heading: float = 0.0,
 ) -> Realization:
     """Draw phases, and interval widths if "random", for `components` waves in `band` [rad/s].
@@ -68,6 +70,8 @@ def realize(
     require_rising(band)
     if components < 1:
         raise InputError("components", components, "must be at least 1")
+    if intervals not in get_args(Intervals):
+        raise InputError("intervals", intervals, f"must be one of {', '.join(get_args(Intervals))}")
     rng = np.random.default_rng(np.random.SeedSequence(seed))
     width = (high - low) / components
     edges = low + width * np.arange(components + 1.0)

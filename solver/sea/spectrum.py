@@ -6,7 +6,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from solver.errors import InputError
-from solver.quantities import require_positive
+from solver.quantities import require_positive, require_ranges
 
 
 class Spectrum(Protocol):
@@ -40,6 +40,7 @@ class PiersonMoskowitz:
     def __post_init__(self) -> None:
         require_positive("Hs", self.Hs, "m")
         require_positive("Tp", self.Tp, "s")
+        require_ranges(self, "spectrum")
 
     @property
     def peak_frequency(self) -> float:

@@ -108,9 +108,6 @@ class Member:
             limit = f"must be <= {circle:.4g} m2, the circle of its diameter, of a member that is flooded or sealed"
             yield InputError(f"{key}.section.area", self.section.area, limit)
         for end in ("start_release", "end_release"):
-            for name in getattr(self, end):
-                if name not in FORCES:
-                    yield InputError(f"{key}.{end}", name, f"must be one of {', '.join(FORCES)}")
             for name, count in Counter(getattr(self, end)).items():
                 if count > 1:
                     yield InputError(f"{key}.{end}", name, f"given {count} times, must be unique")

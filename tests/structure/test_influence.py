@@ -385,7 +385,7 @@ def test_sections_without_legs_and_fibres_with_none():
         replace(scene, platform=bare)
     alone = replace(scene, platform=bare, settings=replace(scene.settings, outputs=("reactions",)))
     assert "pile_force" not in simulate(alone).variables
-    with pytest.raises(InputError, match="must be of reactions"):
+    with pytest.raises(InputError, match="must be one of reactions"):
         replace(scene, settings=replace(scene.settings, outputs=("tears",)))
 
 
