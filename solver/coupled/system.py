@@ -145,7 +145,7 @@ class System:
         scene = replace(self.scene, settings=replace(self.scene.settings, time_step=dt))
         memory = assembly.memory(self.fit, dt, self.bodies.added_mass.shape[0])
         other = replace(self, scene=scene, dt=dt, memory=memory)
-        kept = ("equilibrium", "_at_rest", "differences", "factored", "resistance")
+        kept = ("equilibrium", "_at_rest", "differences", "factored", "drag_of_water")
         vars(other).update({name: value for name, value in vars(self).items() if name in kept})
         return other
 
@@ -274,19 +274,21 @@ class System:
             bent=bent,
             pace=self.pace,
             swing=self.swing,
-            resistance=self.resistance,
+            resistance=self.drag_of_water[1],
             dt=self.dt,
             tolerance=self.newton_tolerance,
             iterations=ITERATIONS,
         )
 
     @cached_property
-    def resistance(self) -> np.ndarray:
-        """R (ns, nd, nd) [N s/m] of the frame's stations, by drag linearised by the water's own velocity."""
+    def drag_of_water(self) -> tuple[np.ndarray, np.ndarray]:
+        """Mean F (ns, nd) [N] and resistance R (ns, nd, nd) [N s/m] of the frame's stations, by drag linearised by the
+        water's own velocity."""
         drag, (_, nd, ns) = self.structure.drag, self.structure.station.shape
         if self.support is None or not drag.any():
-            return np.zeros((ns, nd, nd))
-        return drag[:, None, None] * linear_drag.equivalent(self.support.stream, self.water_at_stations)[1]
+            return np.zeros((ns, nd)), np.zeros((ns, nd, nd))
+        mean, slope = linear_drag.equivalent(self.support.stream, self.water_at_stations)
+        return drag[:, None] * mean, drag[:, None, None] * slope
 
     @property
     def water_at_stations(self) -> np.ndarray:

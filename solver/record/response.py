@@ -30,15 +30,11 @@ class InWaves(NamedTuple):
 
 def in_waves(system: System, h: Hydrodynamics | None) -> InWaves:
     """Of a scene."""
-    support, omega = system.support, system.scene.sea.omega
-    station, water = system.structure.station, system.water_at_stations
-    drag, mean = np.zeros(water.shape, complex), np.zeros(water.shape[1:])
-    if support is not None and drag.size:
-        force, K = linear_drag.equivalent(support.stream, water)
-        drag, mean = system.structure.drag * linear_drag.by_station(K, water), system.structure.drag * force.T
+    omega, station, (mean, resistance) = system.scene.sea.omega, system.structure.station, system.drag_of_water
+    drag = linear_drag.by_station(resistance, system.water_at_stations)
     flat = drag.reshape(len(drag), math.prod(station.shape[1:]))
     force = force_of_waves(system, h, flat @ station.reshape(len(station), flat.shape[1]).T)
-    return InWaves(linear_model(system).response(omega, impedance(system, h, omega), force), flat, mean.ravel())
+    return InWaves(linear_model(system).response(omega, impedance(system, h, omega), force), flat, mean.T.ravel())
 
 
 def carried(system: System, h: Hydrodynamics | None, X: np.ndarray) -> np.ndarray:
@@ -52,4 +48,4 @@ def carried(system: System, h: Hydrodynamics | None, X: np.ndarray) -> np.ndarra
 def drag_damping(system: System) -> np.ndarray:
     """Of the modes (nm, nm), by drag linearised so."""
     station = system.structure.station
-    return np.asarray(np.einsum("mds,sde,nes->mn", station, system.resistance, station, optimize=True))
+    return np.asarray(np.einsum("mds,sde,nes->mn", station, system.drag_of_water[1], station, optimize=True))
