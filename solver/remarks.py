@@ -215,6 +215,15 @@ def swings_up(scene: Scene, joint: int, size: float) -> str:
     )
 
 
+def beyond_lines(scene: Scene, told: np.ndarray, exact: np.ndarray) -> str:
+    """Joints (nj,) whose std [m or rad] is told as less than half of what arms that turn make it; none: no words."""
+    units = dict.fromkeys(DOFS[:3], "m")
+    joints = [(f"floats.{f.name} {axis}", units.get(axis, "rad")) for f in scene.floats for axis in f.motion]
+    lacking = [f"{joints[j][0]}, about {exact[j]:.2g} {joints[j][1]}" for j in np.flatnonzero(exact > 2 * told)]
+    words = "most of the std is of second order, by what turns, and in no linear response, of"
+    return f"{words} {'; '.join(lacking)}" * bool(lacking)
+
+
 def left_series(scene: Scene, out: BeyondSeries) -> Iterator[str]:
     """A sentence for each float that left the series of the waves around it for so long, or so far, that it counts."""
     for item, way, left in zip(scene.floats, out.furthest, out.rms(), strict=True):

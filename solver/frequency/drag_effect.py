@@ -45,7 +45,7 @@ class Effect(NamedTuple):
     extremes: float  # factor by which the largest are to be expected beyond those told
     shaken: float = 0.0  # share of orders above the linear one in tops' displacements or nodes' accelerations, squared
     wear: float = 1.0  # factor by which more damage, if asked for, is to be expected at the feet than that told
-    note: str = ""  # what is to be said of an error that is not known
+    note: str = ""  # what is to be said of an error that is not known, or whose it is
 
 
 class _Law(NamedTuple):

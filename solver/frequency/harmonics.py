@@ -35,7 +35,7 @@ from solver.multibody.joint_law import JointLaw
 from solver.record.probe import UNTOLD
 from solver.record.response import absorbs
 from solver.record.sampling import least_force
-from solver.remarks import swings_up
+from solver.remarks import beyond_lines, swings_up
 from solver.statistics import FAINT
 
 STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
@@ -107,14 +107,15 @@ def turning_effect(
             told, usual, exact = map(case.channels.hinge_force, borne)
             further = found - linear
             carried = _carried(case, waves, load, (load[:, None] @ onto)[:, 0], further)
+            of_motions, note = _of_motions(case, law, waves, response, linear, found, slow)
             error = max(
-                _of_motions(case, law, waves, response, linear, found, slow),
+                of_motions,
                 _of_tops(case, waves, response, linear, found),
                 _of_forces(case, waves, told, usual, exact),
                 *_of_frame(case, waves, frame, standing.lines(frame.lines), further, carried, slow.compression),
             )
             each = (lines.reshape(len(lines), -1) for lines in (told, usual, exact))
-            return Effect(error, _extremes(case, waves, standing, *each))
+            return Effect(error, _extremes(case, waves, standing, *each), note=note)
         X = steps.after(X, found)
     return Effect(UNTOLD, 1.0)
 
@@ -184,23 +185,27 @@ def _grown(waves: Waves, full: np.ndarray, usual: np.ndarray, exact: np.ndarray)
 
 def _of_motions(
     case: Case, law: JointLaw, waves: Waves, response: Response, linear: np.ndarray, X: np.ndarray, slow: BelowWaves
-) -> float:
-    """Largest relative change of a coordinate's std, and of its rate's square, mean and std, where that is power
+) -> tuple[float, str]:
+    """Largest relative error of a coordinate's std, and of its rate's square, mean and std, where that is power
     absorbed. How its square varies is told as by these waves: second harmonics do more to it than to its mean.
+
+    Joints count that move by second order alone; these in words.
     """
     rate = waves.omega[:, None]
     powers = squares(response.X)
     square, of_rate = powers.sum(axis=0), response.omega**2 @ powers
-    size = case.model.length * np.sqrt(square)
-    used = size > FAINT * size.max(initial=0.0)
-    takes = used & absorbs(case.system, law)
     told = (np.abs(waves.omega) < case.waves.min()) & slow.all_of_it
     grown = _grown(waves, square, linear, np.where(told[:, None], 0.0, X)) + 2 * slow.variance
-    std = np.sqrt(grown[used] / square[used])
-    power = _grown(waves, of_rate, rate * linear, rate * X)[takes] / of_rate[takes]
-    was, varies = (np.std(waves.lattice.at_instants(-1j * rate * x)[:, takes] ** 2, axis=0) for x in (linear, X))
-    varies = np.divide(varies, was, out=np.ones(was.size), where=was > 0)
-    return float(np.abs(np.concatenate([std, power, varies]) - 1).max(initial=0.0))
+    std, nm = np.sqrt(0.5 * np.array([square, grown])), case.model.modes.shape[1]
+    moved = case.model.length * std
+    used = np.concatenate([moved[0, :nm], moved[:, nm:].max(axis=0)]) > FAINT * moved.max(initial=0.0)
+    takes = used & absorbs(case.system, law)
+    power = _grown(waves, of_rate, rate * linear, rate * X)
+    varies = [np.std(waves.lattice.at_instants(-1j * rate * x)[:, takes] ** 2, axis=0) for x in (linear, X)]
+    pairs = moved[:, used], np.array([of_rate, power])[:, takes], np.array(varies)
+    before, after = np.concatenate(pairs, axis=1)
+    off = np.divide(np.abs(after - before), after, out=np.ones(after.size), where=after > 0)
+    return float(off.max(initial=0.0)), beyond_lines(case.system.scene, *(used * std)[:, nm:])
 
 
 def _of_tops(case: Case, waves: Waves, response: Response, linear: np.ndarray, X: np.ndarray) -> float:
@@ -222,7 +227,7 @@ def _of_forces(case: Case, waves: Waves, forces: np.ndarray, usual: np.ndarray, 
 
 def _changed(square: np.ndarray, grown: np.ndarray, least: np.ndarray | float = 0.0) -> float:
     """Of the roots of squares; those below `least`, or FAINT beside the largest, count as that."""
-    size = np.sqrt(np.maximum(np.maximum(square, least), FAINT**2 * square.max(initial=0.0)))
+    size = np.sqrt(np.maximum(np.maximum(grown, least), FAINT**2 * grown.max(initial=0.0)))
     off = np.abs(np.sqrt(grown) - np.sqrt(square))
     return float(np.divide(off, size, out=np.zeros(size.shape), where=size > 0).max(initial=0.0))
 

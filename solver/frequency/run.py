@@ -181,7 +181,7 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
         *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),
         *pulled(of.rung.extremes, of.rung.rings),
-        *([turning.note or NO_BALANCE] if turning.error == UNTOLD else []),
+        *filter(None, [turning.note or NO_BALANCE * (turning.error == UNTOLD)]),
         *unresolved(case, response),
         *slipping,
         *above(scene, tables, errors["estimated_error"]),
