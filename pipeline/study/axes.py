@@ -115,6 +115,8 @@ class Axes(Table):
         """Keys with a dot, and tables in tables, are paths; the five axes may be given as ranges, too."""
         if not isinstance(data, dict):
             return data
+        if isinstance(data.get("together"), dict):
+            refuse_key("together", "must be a list of tables: each is [[axes.together]], in two brackets")
         named, paths = _by_dots(_flat(cls, data))
         named = {key: listed(key, value) if isinstance(value, dict) else value for key, value in named.items()}
         return named | {"keys": {path: listed(path, value) for path, value in paths.items()}}

@@ -260,6 +260,7 @@ WRONG = [
     ('"sea.Hs" = [0.2, 9.0]', 'axes."sea.Hs" = 9.0: '),
     ("damping_ratio = [0.1]", "axes.damping_ratio = [0.1]: unknown key"),
     ("[[axes.together]]\nname = 'a'\n'water.depth' = [1.0]\n'water.density' = [1.0, 2.0]", "must be of one length"),
+    ("[axes.together]\nname = 'a'\n'water.depth' = [1.0]", "[1.0]}: must be a list of tables"),
     ("[[axes.together]]\n'water.depth' = [50.0]", "axes.together[0].name: is missing"),
     ("[[axes.together]]\nname = 'a'\n'water.depth' = [50.0]\n'a/b' = [1]", "[0].a/b = [1]: must be a dotted path"),
     ("[[axes.together]]\nname = 'seed'\n'water.depth' = [50.0]", "axes.together.name = seed: is the name of another"),
