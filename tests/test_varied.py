@@ -42,7 +42,8 @@ def test_the_frequency_domain_tells_how_far_it_is_from_a_march(drawn):
     """Both with the same mesh. Where it says 1, that is much, and no more is known of it."""
     scene, h, march, words = drawn
     lines = simulate(replace(scene, settings=replace(scene.settings, method="frequency")), h)
-    true, told = worst(lines, march, scene), together([lines.attrs[name] for name in OF_LINES])
+    memory = march.attrs["memory_effect"]  # which lines have no error of
+    true, told = worst(lines, march, scene), together([memory, *(lines.attrs[name] for name in OF_LINES)])
     assert true < max(SLIGHT, 3 * told), words
     assert told < 1.0 or true > 0.1, words
 
@@ -69,4 +70,4 @@ def test_body_nonlinear_forces_in_low_waves_are_linear(drawn):
     at = STATISTICS.index("std")
     for name in (name for name in NAMES if name in linear):
         a, b = (np.nan_to_num(of[name][1][..., at]) for of in (linear, exact))
-        assert np.abs(a - b).max() < 3e-3 * a.max(), (name, words)
+        assert np.abs(a - b).max() <= 3e-3 * a.max(), (name, words)

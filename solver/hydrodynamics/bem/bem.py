@@ -30,6 +30,7 @@ __all__ = [
 
 METHODS = {1: "one mesh as given", 2: "h2-extrapolated from two meshes", 3: "h2-extrapolated from two of three meshes"}
 ACTIVE = 0.02  # of the largest of A + iB/ω: less of negative damping is a mesh's error
+LITTLE = 0.02  # of a body's most added mass over squared levers
 NEGATIVE = -0.1  # least eigenvalue of A∞, scaled to a diagonal of 1: far below what errors of meshes leave, 0.06 to 1
 
 
@@ -150,10 +151,11 @@ def _require_damped(problem: Problem, impedance: np.ndarray, lengths: np.ndarray
 def _require_positive(problem: Problem, infinite: np.ndarray, lengths: np.ndarray, body: np.ndarray) -> None:
     """Refuse added mass at infinite frequency (n, n) that is not positive: half of vᵀA∞v is the water's energy.
 
-    Motions with next to nothing of it, see `radiates`, may have less than none by their mesh's error.
+    Motions with little of it, see `radiates`, may have less than none by their mesh's error, also together with
+    others: a ball moves no water as it turns about its own centre.
     """
     size = np.abs(np.diag(infinite))
-    heard = np.flatnonzero(radiates(size, lengths, body))
+    heard = np.flatnonzero(radiates(size, lengths, body, least=LITTLE))
     scale = np.sqrt(size[heard])
     value, shape = np.linalg.eigh(infinite[np.ix_(heard, heard)] / np.multiply.outer(scale, scale))
     if value.min(initial=0.0) < NEGATIVE:

@@ -282,6 +282,7 @@ def test_added_mass_below_zero_is_refused(monkeypatch):
     with pytest.raises(InputError, match=r"hulls = body 1, mesh: .* not positive, above all in (sway|roll)"):
         changed({(1, 3): 1.3})
     changed({(11, 11): -1.0})
+    changed({(3, 3): 0.02, (1, 3): 1.2})  # as of a ball that turns about an axis near its centre
 
 
 @pytest.mark.slow
