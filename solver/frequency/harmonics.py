@@ -204,7 +204,7 @@ def _of_motions(
     varies = [np.std(waves.lattice.at_instants(-1j * rate * x)[:, takes] ** 2, axis=0) for x in (linear, X)]
     pairs = moved[:, used], np.array([of_rate, power])[:, takes], np.array(varies)
     before, after = np.concatenate(pairs, axis=1)
-    off = np.divide(np.abs(after - before), after, out=np.ones(after.size), where=after > 0)
+    off = np.divide(np.abs(after - before), after, out=np.sign(before), where=after > 0)
     return float(off.max(initial=0.0)), beyond_lines(case.system.scene, *(used * std)[:, nm:])
 
 
