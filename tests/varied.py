@@ -9,7 +9,7 @@ from solver.hydrodynamics.hull.duck import duck
 from solver.hydrodynamics.hull.panel_hull import PanelHull
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.power_takeoff import PtoTable
-from solver.scene import DOFS, Float, Platform, Scene, Settings, Water
+from solver.scene import DOFS, EndStops, Float, Platform, Scene, Settings, Water
 from solver.sea.realization import Realization
 from solver.sea.spectrum import PiersonMoskowitz
 from solver.structure.frame import Frame
@@ -20,11 +20,12 @@ from tests.awkward import RHO, STEEL, prism
 PERIOD = 200.0  # of the sea, in which all of its waves come back [s]
 FASTER, RATE = 1.2, 0.15  # frequency [rad/s] and rate that the joints' laws are about
 LAWS = ("linear",) * 3 + ("quadratic", "friction", "limit", "spring", "negative spring", "inertia", "table")
+SWITCHING = ("latch", "declutch", "one way", "soft stops", "hard stops", "friction", "limit")
 IN_PLANE = ("surge", "heave", "pitch")
 
 
-def varied(seed: int) -> tuple[Scene, str]:
-    """A linear scene and what it is in words; SimulationFailed where nothing balances it."""
+def varied(seed: int, laws: tuple[str, ...] = LAWS) -> tuple[Scene, str]:
+    """A scene of linear pressure, and what it is in words; SimulationFailed where nothing balances it."""
     dice = np.random.default_rng(seed)
     heading = float(dice.choice([0.0, 0.0, 0.5, -1.2, 2.4]))
     support = str(dice.choice(["fixed", "elastic", "floating"], p=[0.35, 0.4, 0.25]))
@@ -43,7 +44,7 @@ def varied(seed: int) -> tuple[Scene, str]:
         joint = (
             "hinge" if floats and floats[0].name == "base" else str(dice.choice(["hinge", "hinge", "heave", "free"]))
         )
-        law = str(dice.choice(LAWS))
+        law = str(dice.choice(laws))
         item = _free(f"f{i}", hull, size, place, heading, dice)
         if joint != "free":
             item = _jointed(item, joint, law, size, dice)
@@ -132,8 +133,18 @@ def _law(law: str, inertia: float, dice: np.random.Generator) -> dict[str, objec
         "spring": {"stiffness": 0.3 * inertia * FASTER**2},
         "negative spring": {"pto_stiffness": -0.1 * inertia * FASTER**2},
         "inertia": {"mechanism_inertia": 0.5 * inertia},
+        "latch": {"latch_load": 2 * B * RATE},
+        "declutch": {"declutch_load": 0.4 * B * RATE},
+        "one way": {"one_way": 1.0},
+        "soft stops": {"end_stops": _stops(inertia, 4.0, 1.0)},
+        "hard stops": {"end_stops": _stops(inertia, 15.0, 0.0)},
     }
     return {"pto_damping": B} | further.get(law, {})
+
+
+def _stops(inertia: float, times: float, damping: float) -> EndStops:
+    stiffness = inertia * (times * FASTER) ** 2
+    return EndStops(lower=-0.06, upper=0.1, stiffness=stiffness, damping=damping * inertia * FASTER)
 
 
 def _platform(dice: np.random.Generator, depth: float, hinges: dict[str, tuple[float, float, float]]) -> Platform:
