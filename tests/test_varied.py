@@ -16,11 +16,8 @@ from tests.varied import SWITCHING, varied
 NAMES = ("motion", "rotation", "absorbed_power", "hinge_force", "top_displacement", "bottom_stress")
 OF_LINES = ("shapes_effect", "elements_effect", "law_effect", "drag_effect", "linearisation_effect", "rotation_effect")
 SLIGHT = 0.01  # error below which a wrong estimate of it misleads nobody
-HELD = {
-    "rotation": 1e-6,
-    "motion": 1e-6,
-    "absorbed_power": 1e-3,
-}  # none [rad, m, W], as of a latch never let go
+# None [rad, m, W], as of a latch that never lets go.
+HELD = {"rotation": 1e-6, "motion": 1e-6, "absorbed_power": 1e-3}
 SEEDS = range(24)
 
 

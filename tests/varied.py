@@ -33,17 +33,14 @@ def varied(seed: int, laws: tuple[str, ...] = LAWS) -> tuple[Scene, str]:
     if support == "floating":
         half = dice.uniform(3.0, 5.0)
         outline = [(-half, -half / 2), (half, -half / 2), (half, half / 2), (-half, half / 2)]
-        floats.append(
-            _free("base", prism(outline, half * dice.uniform(1.2, 2.5)), half, (0.0, 0.0, 0.0), heading, dice)
-        )
+        hull = prism(outline, half * dice.uniform(1.2, 2.5))
+        floats.append(_free("base", hull, half, (0.0, 0.0, 0.0), heading, dice))
         x = half + 10.0
     for i in range(int(dice.integers(1, 4))):
         size = dice.uniform(0.7, 2.5)
         kind, hull = _hull(dice, size)
         place = (x, dice.uniform(-2.0, 2.0) if heading else 0.0, 0.0)
-        joint = (
-            "hinge" if floats and floats[0].name == "base" else str(dice.choice(["hinge", "hinge", "heave", "free"]))
-        )
+        joint = "hinge" if support == "floating" else str(dice.choice(["hinge", "hinge", "heave", "free"]))
         law = str(dice.choice(laws))
         item = _free(f"f{i}", hull, size, place, heading, dice)
         if joint != "free":
@@ -58,7 +55,7 @@ def varied(seed: int, laws: tuple[str, ...] = LAWS) -> tuple[Scene, str]:
     water = Water(depth=float(dice.choice([20.0, 35.0, 60.0])))
     ways = [("mass", "x") if {"hinge", "pitch"} & set(f.motion) else ("mass",) for f in floats]
     floats = balanced(floats, water, ways)
-    platform = None if support != "elastic" else _platform(dice, water.depth, {f.name: f.hinge for f in floats})
+    platform = _platform(dice, water.depth, {f.name: f.hinge for f in floats}) if support == "elastic" else None
     settings = Settings(duration=PERIOD, discard=3 * PERIOD, ramp=50.0, froude_krylov="linear")
     scene = Scene(water=water, sea=_sea(dice, heading), floats=tuple(floats), platform=platform, settings=settings)
     return scene, "; ".join(words)

@@ -38,6 +38,7 @@ from solver.record.sampling import least_force
 from solver.remarks import beyond_lines, swings_up
 from solver.statistics import FAINT
 
+NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
 STILL = 1e-4  # of the slowest wave's frequency: no sum is slower
 ROUNDS = 20  # of which awkward scenes need 2 to 8 up to 0.3 rad
 GROWS, IN_VAIN = 3.0, 4  # times the least change, and rounds since that, which no more rounds make agree
@@ -117,7 +118,7 @@ def turning_effect(
             each = (lines.reshape(len(lines), -1) for lines in (told, usual, exact))
             return Effect(error, _extremes(case, waves, standing, *each), note=note)
         X = steps.after(X, found)
-    return Effect(UNTOLD, 1.0)
+    return Effect(UNTOLD, 1.0, note=NO_BALANCE)
 
 
 def _extremes(case: Case, waves: Waves, of: _Standing, told: np.ndarray, usual: np.ndarray, exact: np.ndarray) -> float:

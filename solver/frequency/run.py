@@ -48,7 +48,6 @@ from solver.remarks import bared, beyond_tables, drag_driven, of_motions, pulled
 from solver.scene import Scene, require_waves
 from solver.statistics import FAINT
 
-NO_BALANCE = "rotation_effect is 1 for what is not known: no response was found that agrees with exact angles"
 CYCLES = 50  # of which rainflow leaves half a cycle
 AT_ONCE = 200  # outputs whose sums over a record are held together
 # These are how nodes' motions go together in time.
@@ -181,7 +180,7 @@ def _judged(of: _Solved, tables: dict[str, np.ndarray]) -> tuple[dict[str, float
         *drag_driven(of_drag.extremes, of_drag.shaken, of_drag.wear),
         *skewed(turning.extremes),
         *pulled(of.rung.extremes, of.rung.rings),
-        *filter(None, [turning.note or NO_BALANCE * (turning.error == UNTOLD)]),
+        *filter(None, [turning.note]),
         *unresolved(case, response),
         *slipping,
         *above(scene, tables, errors["estimated_error"]),

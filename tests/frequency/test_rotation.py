@@ -15,7 +15,6 @@ from solver.frequency.case import case_of
 from solver.frequency.outputs import frame_forces
 from solver.frequency.response import respond, respond_in
 from solver.frequency.rotation import mean_shift, resonant, slow_motions
-from solver.frequency.run import NO_BALANCE
 from solver.frequency.steps import Steps
 from solver.hydrodynamics.hull.revolution import Revolution
 from solver.hydrodynamics.hull.ring import ring
@@ -346,7 +345,7 @@ def test_a_wave_that_no_round_agrees_for_is_not_told():
     item, h = SCENES["duck"]()
     high = linear(replace(item, sea=regular(height=30.0, period=4.0)), method="frequency")
     record = simulate(high, h)
-    assert record.attrs["rotation_effect"] == 1.0 and NO_BALANCE in record.attrs["warnings"]
+    assert record.attrs["rotation_effect"] == 1.0 and harmonics.NO_BALANCE in record.attrs["warnings"]
 
 
 @pytest.fixture(scope="module")

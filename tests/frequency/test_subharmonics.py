@@ -9,9 +9,8 @@ from pytest import approx
 
 from solver.frequency import second_order, subharmonics
 from solver.frequency.case import case_of
-from solver.frequency.harmonics import ONE
+from solver.frequency.harmonics import NO_BALANCE, ONE
 from solver.frequency.response import respond
-from solver.frequency.run import NO_BALANCE
 from solver.hydrodynamics.hull.box import box
 from solver.run import simulate
 from solver.scene import Float
